@@ -207,9 +207,12 @@ class ContactFilter:
         Returns:
             Probability of each set of "left", "right" and "seat"; what is missing to 1 is unknown.
         """
-        leg = self.model.leg
-        named = (frozenset(contact_name(leg, link) for link in links) for links in self.sets)
-        return dict(zip(named, map(float, row), strict=False))
+        return dict(zip(self._names, map(float, row), strict=False))
+
+    @cached_property
+    def _names(self) -> tuple[Contacts, ...]:
+        """Sets by the names of their contacts."""
+        return tuple(frozenset(contact_name(self.model.leg, link) for link in links) for links in self.sets)
 
     def advance(
         self, memory: Memory, readings: ContactReadings, expected: Collection[Contacts] = frozenset()
@@ -236,13 +239,15 @@ class ContactFilter:
         likelihood, wrenches, misfit = self._evidence(low, speed, change)
         frozen = self._frozen(memory, readings)[ends] & (np.abs(speed).max(axis=1) > MOVES)
         unknown = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
-        switched = self._switched(readings)
+        switched = [link for link in self.feet if link in readings.switches]
         own = [self.feet.index(link) for link in switched]
         flags = np.array([readings.switches[link][ends] for link in switched], dtype=np.float64).T
+        # whether each switched foot is in each set, half for the unknown, (F, H)
+        members = np.array([[*(float(link in each) for each in self.sets), 0.5] for link in switched])
         K, H = likelihood.shape
         probability = np.empty((K, H))
-        odds = [not expected or each in expected for each in self.chances(likelihood[:1].sum(axis=0))]
-        surprise = np.where([*odds, not expected], 0.0, np.log(self.noise.surprise))
+        planned = [not expected or each in expected for each in self._names]
+        surprise = np.where([*planned, not expected], 0.0, np.log(self.noise.surprise))
         for k in range(K):
             belief = self._changes @ memory.probability
             memory.misfit += BLOCK / AGREES * (misfit[k] - memory.misfit)
@@ -253,27 +258,19 @@ class ContactFilter:
             score = self.noise.temper * (likelihood[k] - likelihood[k].max()) + surprise
             if flags.size:
                 weight = np.clip(1.5 - 4.0 * memory.disagreement[own], 0.0, 1.0)
-                score = score + self._switch_score(readings, flags[k], weight)
+                score = score + self._switch_score(members, flags[k], weight)
             belief = belief * np.exp(score - score.max())
             memory.probability = probability[k] = belief / belief.sum()
             if flags.size:
-                down = self._members(readings) @ memory.probability
+                down = members @ memory.probability
                 # 0.3 s: a switch that is 80 ms late stays below half weight, one that is stuck loses all of it
                 memory.disagreement[own] += BLOCK / 0.3 * (np.abs(flags[k] - down) - memory.disagreement[own])
         best = probability.argmax(axis=1)
         return Belief(probability, wrenches[np.arange(K), best])
 
-    def _switched(self, readings: ContactReadings) -> tuple[str, ...]:
-        return tuple(link for link in self.feet if link in readings.switches) if readings.switches else ()
-
-    def _members(self, readings: ContactReadings) -> FloatArray:
-        """Whether each switched foot is in each set, (F, H); half for the unknown."""
-        links = self._switched(readings)
-        return np.array([[*(float(link in links_) for links_ in self.sets), 0.5] for link in links])
-
-    def _switch_score(self, readings: ContactReadings, flags: FloatArray, weight: FloatArray) -> FloatArray:
+    def _switch_score(self, members: FloatArray, flags: FloatArray, weight: FloatArray) -> FloatArray:
         """Log-likelihood of the switches under each set; readings of one delay are one piece of evidence."""
-        right = 1.0 - np.abs(self._members(readings) - flags[:, None])
+        right = 1.0 - np.abs(members - flags[:, None])
         each = self.noise.switch * right + (1.0 - self.noise.switch) * (1.0 - right)
         mixed = weight[:, None] * each + 0.5 * (1.0 - weight[:, None])
         return np.asarray(np.log(mixed).sum(axis=0) * BLOCK / self.noise.late)
