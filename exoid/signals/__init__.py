@@ -5,6 +5,7 @@ from .base_motion import BaseMotion
 from .base_pose import BasePose, turn_upright
 from .column import Column
 from .contacts import contacts_from_wrench, settled
+from .contacts_from_motion import contacts_from_motion
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, motion_edge
 from .filters.low_pass import zero_phase
@@ -42,6 +43,7 @@ __all__ = [
     "WrenchFrame",
     "ZeroPhase",
     "choose_cutoff",
+    "contacts_from_motion",
     "contacts_from_wrench",
     "datasets",
     "link_placement",

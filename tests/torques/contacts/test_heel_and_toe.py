@@ -9,15 +9,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import exoid
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import Estimate
 from exoid.experiments.ground import bleex_machine, walking
 from exoid.lab.reproduce.stance import TERMS, WALKING
 from exoid.leg.description import describe
 from exoid.rig.ground import GroundSensors, Sole
-from exoid.torques.contacts import split
+from exoid.signals import contacts_from_motion
+from exoid.signals.link_wrenches import link_placements
+from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.kinds import on_time, touch_downs, whole_feet
 
 HEEL, TOE = (-0.075, -0.1, -0.11), (0.13, -0.1, -0.11)
@@ -59,6 +62,27 @@ def a_log(contacts):
     flags = {link: np.full(500, value) for link, value in contacts.items()}
     base = exoid.BaseMotion(np.zeros((500, 3)), np.tile([0.0, 0.0, 9.81], (500, 1)))
     return exoid.Recording(np.arange(500) / 250.0, q, tau=q, joint_names=exo().joint_names, base=base, contacts=flags)
+
+
+def test_the_motion_says_which_part_of_a_foot_is_down():
+    """A foot rolls over its heel for 0.4 s, is flat for as long, and rolls over its toe."""
+    leg, time = exo(), np.arange(0.0, 1.2, 0.004)
+    q = 0.3 * np.sin(np.outer(time, [3.0, 4.0, 5.0, 3.5, 4.5, 5.5]))
+    tilt = 0.5 * (np.maximum(0.0, 0.4 - time) - np.maximum(0.0, time - 0.8))
+    pivot = np.where(tilt[:, None] > 0.0, HEEL, TOE)
+    turn = Rotation.from_rotvec(np.outer(tilt, leg.plane.lateral * -1.0)).as_matrix()
+    foot = link_placements(leg, q, FOOT)
+    rotation = turn @ level_rotation(leg, FOOT) @ np.swapaxes(foot.rotation, 1, 2)
+    level = level_rotation(leg, FOOT) @ pivot.T
+    place = level.T - np.einsum("nij,nj->ni", turn, level.T) - np.einsum("nij,nj->ni", rotation, foot.translation)
+    base = exoid.BaseMotion.from_pose(place, Rotation.from_matrix(rotation).as_quat(), time)
+    log = exoid.Recording(time, q, joint_names=leg.joint_names, base=base)
+    found = contacts_from_motion(leg, log, (f"{FOOT}_heel", f"{FOOT}_toe"))
+    for part, down in (("heel", time < 0.8), ("toe", time > 0.4)):
+        apart = np.abs(time - (0.8 if part == "heel" else 0.4)) > 0.06
+        np.testing.assert_array_equal(found[f"{FOOT}_{part}"][apart], down[apart])
+    with pytest.raises(NotSupportedError, match="an IMU does not measure it"):
+        contacts_from_motion(leg, a_log({FOOT: True}), (FOOT,))
 
 
 @pytest.mark.parametrize(

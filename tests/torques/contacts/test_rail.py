@@ -12,6 +12,7 @@ import pinocchio as pin
 import pytest
 
 import exoid
+from exoid import signals
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate import Estimate, ground_forces
 from exoid.estimate.ground_prediction import level_wrench
@@ -79,6 +80,15 @@ def test_pinocchios_constrained_dynamics_obey_the_rows_of_a_point_under_a_rail()
     W, left = rows.columns(motion).transpose(2, 1, 0), rows.row_torque(torque, motion, {})
     assert W.shape[1] == 1
     np.testing.assert_allclose(W @ leg.parameters, left, atol=1e-6 * np.abs(torque).max())
+
+
+def test_the_motion_says_when_a_foot_is_down():
+    jumps = log("jump", seconds=4.0)
+    found = signals.contacts_from_motion(hopper()[1], jumps, ("foot",))["foot"]
+    assert np.mean(found == jumps.contacts["foot"]) > 0.92
+    touched, closed = (np.flatnonzero(np.diff(flags.astype(int)) > 0) for flags in (found, jumps.contacts["foot"]))
+    assert len(touched) == 3  # the switch bounces
+    assert np.abs(touched[:, None] - closed).min(axis=1).max() < 0.05 * jumps.sample_rate
 
 
 @pytest.mark.slow
