@@ -384,11 +384,10 @@ def _() -> Any:  # noqa: ANN401
     return [(each.time, each.q, each.tau) for each in read]
 
 
-@journey("numeric base parameters of an arm")
+@journey("numeric base parameters of a leg whose base moves in space")
 def _() -> Any:  # noqa: ANN401
-    rows = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, np.pi / 2, 0.0), (0.0, 0.0, 0.1)]
-    leg = exoid.Leg.from_dh(rows, "standard")
-    q, v, a = np.random.default_rng(3).standard_normal((3, 50, 4))
+    leg = exoid.load_leg("bleex", base="moving")
+    q, v, a = np.random.default_rng(3).standard_normal((3, 50, 3))
     return leg.parameter_names, leg.parameters, leg.regressor(q, v, a), leg.inverse_dynamics(q, v, a)
 
 

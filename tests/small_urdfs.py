@@ -1,6 +1,8 @@
-"""Small URDFs as text: a good leg to spoil, and two joints on a torso."""
+"""Small URDFs as text: a good leg to spoil, two joints on a torso, and an arm."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from exoid import Leg
 from exoid.leg.description import describe
@@ -61,3 +63,16 @@ def nearly_coaxial(offset: float, *, last: bool) -> Leg:
             name="coaxial.urdf",
         )
     )
+
+
+def spatial_arm(names: Sequence[str]) -> Leg:
+    """Joints about z, y and x, one behind the other, whose links lie beside every axis."""
+    links = "".join(f'<link name="{name}_link">{OFFSET_BODY}</link>' for name in names)
+    joints = "".join(
+        f'<joint name="{name}" type="continuous"><origin xyz="0.1 0.05 0.3"/><parent link="{before}"/>'
+        f'<child link="{name}_link"/><axis xyz="{axis}"/></joint>'
+        for name, before, axis in zip(
+            names, ["base", *(f"{name}_link" for name in names)], ("0 0 1", "0 1 0", "1 0 0"), strict=False
+        )
+    )
+    return Leg.from_description(describe(f'<robot name="arm"><link name="base"/>{links}{joints}</robot>'))

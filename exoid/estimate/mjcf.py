@@ -15,7 +15,7 @@ from exoid.leg.closure import refuse_loops
 from exoid.leg.description import LARGEST_NUMBER
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR
-from exoid.leg.mjcf import require_mujoco
+from exoid.tools.extras import require_mujoco
 from exoid.tools.files import refuse_unwritable, write_whole
 from exoid.tools.tables import to_text
 from exoid.torques import Armature, Coulomb, Term, Viscous

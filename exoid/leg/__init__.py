@@ -1,4 +1,4 @@
-"""Legs on Pinocchio: URDF or DH table, dynamics, bases, reduction to X, Y, J, lift back to links."""
+"""Legs on Pinocchio: URDF, dynamics, bases, reduction to X, Y, J, lift back to links."""
 
 from . import catalog, lift, published, reduction
 from .catalog import load_exo, load_leg

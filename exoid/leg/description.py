@@ -30,10 +30,10 @@ LARGEST_NUMBER = 1e9
 """Largest number of an inertia, a place or friction in SI units; with larger ones arithmetic overflows."""
 
 LARGEST_ANGLE = 2.0 * math.pi
-"""Usual largest angle of a joint, and largest of a row of a DH table [rad]; larger ones are almost always degrees."""
+"""Usual largest angle of a joint [rad]; larger ones are almost always degrees."""
 
 FARTHEST = 5.0
-"""Largest distance of a point from its joint or link, and length of a row of a DH table [m]; larger ones are mm."""
+"""Largest distance of a point from its joint or link [m]; larger ones are mm."""
 
 UNBOUNDED = ("limit",)
 """Elements whose numbers may be larger, because they mean that there is no limit."""

@@ -18,7 +18,6 @@ from exoid.tools.numbers import checked
 
 from .closure import Closure
 from .description import Description, read_description
-from .dh import Convention, DHRow, describe_dh
 from .dynamics import (
     SegmentPlacements,
     gravity_torque,
@@ -100,47 +99,6 @@ class Leg(LegData):
             contacts=contacts,
             loops=None if loops is None else Loops.read(loops),
         )
-
-    @classmethod
-    def from_dh(
-        cls,
-        table: Sequence[DHRow] | ArrayLike,
-        convention: Convention,
-        joint_names: Sequence[str] | None = None,
-        *,
-        base_rpy: Sequence[float] = (0.0, 0.0, 0.0),
-        locked: Mapping[str, float] | None = None,
-        cumulative: bool = True,
-        name: str = "dh",
-    ) -> Leg:
-        """Make a leg of a Denavit-Hartenberg table, for a robot without a URDF.
-
-        Identification uses only the geometry: each link has a unit mass at the origin of its frame. The tool's frame is
-        the last one.
-
-        Args:
-            table: Rows (a, α, d, offset of θ) of revolute joints in m and rad, (n, 4), such as
-                :class:`exoid.leg.dh.DHRow`; (n, 3) without the offset.
-            convention: "standard" (Rz Tz Tx Rx) or "modified" (Rx Tx Rz Tz, Craig).
-            joint_names: Names of the n joints; None for joint1, joint2, ….
-            base_rpy: Roll, pitch and yaw [rad] of frame 0 in the base, whose z axis points up.
-            locked: Positions of joints that do not move [rad].
-            cumulative: See :meth:`from_urdf`.
-            name: Name of the robot.
-
-        Returns:
-            The leg.
-
-        Raises:
-            ExoidError: The table has other numbers than a DH table, or names do not fit it.
-
-        Example:
-            >>> rows = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, 0.0, 0.0)]
-            >>> Leg.from_dh(rows, "standard", ("yaw", "shoulder", "elbow")).joint_names
-            ('yaw', 'shoulder', 'elbow')
-        """
-        description = describe_dh(table, convention, joint_names, base_rpy=base_rpy, name=name)
-        return cls.from_description(description, locked=locked, cumulative=cumulative)
 
     @classmethod
     def from_description(

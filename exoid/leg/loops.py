@@ -13,11 +13,11 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError, UnreadableInputError, in_file
+from exoid.tools.extras import require_mujoco
 from exoid.tools.json_values import json_value, record
 from exoid.tools.toml import read_toml
 
 from .description import LARGEST_NUMBER
-from .mjcf import require_mujoco
 
 LoopKind = Literal["pin", "ball", "weld"]
 """What coincides at a loop: an axis, a point, or all of two frames."""

@@ -22,9 +22,10 @@ from observing import (
 )
 from planar_chains import random_chain
 from scipy.signal import lfilter
+from small_urdfs import spatial_arm
 
 import exoid
-from exoid import ExoidError, Leg, Recording, TorsoMotion
+from exoid import ExoidError, Recording, TorsoMotion
 from exoid.control import ControlModel, MomentumObserver, SensorNoise
 from exoid.control.observers.momentum import MomentumModel
 from exoid.control.observers.noise import threshold
@@ -34,11 +35,6 @@ from exoid.rig import Plant
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
 NOISE = SensorNoise(TORQUE_NOISE, 0.01, ANGLE_NOISE)
 HELD = 0.5e-3
-
-
-def spatial_leg() -> Leg:
-    """Three joints that do not move in one plane."""
-    return Leg.from_dh([(0.0, np.pi / 2, 0.2), (0.4, 0.3, 0.0), (0.3, 0.0, 0.1)], "standard")
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +55,7 @@ def sticking():
 # ----------------------------------------------------------------------------------------------------- momentum
 
 
-@pytest.mark.parametrize("leg", [BLEEX, CUHK, random_chain(np.random.default_rng(3), 4).leg(), spatial_leg()])
+@pytest.mark.parametrize("leg", [BLEEX, CUHK, random_chain(np.random.default_rng(3), 4).leg(), spatial_arm("abc")])
 def test_momentum_and_its_torques_are_those_of_pinocchio(leg):
     """M v, and Cᵀv − G with Pinocchio's Coriolis matrix, sample by sample."""
     n, rng = len(leg.joint_names), np.random.default_rng(0)

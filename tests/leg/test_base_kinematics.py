@@ -67,8 +67,7 @@ def test_a_leg_made_for_it_describes_every_motion_of_its_base(leg):
 
 def test_a_moving_base_shows_more_parameters_than_a_fixed_one():
     fixed, moving = (Leg.from_urdf(urdf_of("ur5"), base=base) for base in ("fixed", "moving"))
-    assert fixed.reduction.rank.rank == 36
-    assert moving.reduction.rank.rank == 42
+    assert (len(fixed.parameter_names), len(moving.parameter_names)) == (36, 42)
 
 
 def test_a_spatial_leg_of_a_fixed_base_refuses_a_moving_one():

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from small_urdfs import spatial_arm
 from swings import harmonics
 from unchecked import identify
 
@@ -18,7 +19,6 @@ from exoid.torques import Coulomb, LoadFriction, Motion, Offset, Viscous
 from exoid.torques.payloads import payload_torque
 
 LOADS = (Payload("hip", 2.0, (0.05, 0.1, -0.2), 0.04), Payload("left_knee", 1.5, (-0.02, 0.0, -0.3)))
-ARM = [(0.0, np.pi / 2, 0.2), (0.4, 0.0, 0.0), (0.3, 0.0, 0.1)]
 TERMS = (Coulomb(), Viscous(), Offset())
 FRICTION = {"c0": 0.8, "d": 0.3, "offset": 0.1}
 
@@ -38,8 +38,7 @@ def difference(leg, loads, q, v, a):
 @pytest.mark.parametrize("name", ["bleex", "cuhk", "arm"])
 def test_the_torque_of_payloads_is_pinocchios(name):
     """Also of a robot that is no planar chain, to rounding."""
-    arm = exoid.Leg.from_dh(ARM, "standard", ("hip", "left_knee", "wrist"))
-    leg = arm if name == "arm" else exoid.load_leg(name)
+    leg = spatial_arm(("hip", "left_knee", "wrist")) if name == "arm" else exoid.load_leg(name)
     q, v, a = np.random.default_rng(0).uniform(-2.0, 2.0, (3, 20, len(leg.joint_names)))
     expected = difference(leg, LOADS, q, v, a)
     found = payload_torque(leg, LOADS, Motion(q, v, a))

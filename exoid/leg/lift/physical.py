@@ -14,54 +14,34 @@ which needs no lengths.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.leg.leg import Leg
-from exoid.tools.tables import make_table, to_text
 
 from .lift import fitting, lift
 
 
-class MassBound(NamedTuple):
-    """Bounds of the mass of a segment and all segments below it [kg]."""
-
-    masses: str  # sum of masses that is bounded, such as "m_shank + m_foot"
-    formula: str  # lower bound without lengths, such as "(X2² + Y2²)/(J2 − J3)"
-    least: float  # value of this bound; infinite if the inertia is not positive
-    least_with_lengths: float  # sharp lower bound, from the positions of the joints
-    most: float  # sharp upper bound j/|d|², from the inertia of the segment above; infinite for the first segment
-
-
 @dataclass(frozen=True)
 class PhysicalCheck:
-    """Physical consistency of parameters; ``print`` shows it.
+    """Physical consistency of parameters: true where they are consistent; ``print`` shows it.
 
     Attributes:
-        physical: Whether the parameters are physically consistent.
-        reasons: Reasons why they are not, one sentence each.
-        bounds: Bounds of masses, segment by segment from the torso; empty for a leg that is not a planar chain.
+        reasons: Reasons why they are not, one sentence each; empty if they are.
     """
 
-    physical: bool
     reasons: tuple[str, ...]
-    bounds: tuple[MassBound, ...]
 
     def __bool__(self) -> bool:
         """Tell whether the parameters are physically consistent."""
-        return self.physical
+        return not self.reasons
 
     def __str__(self) -> str:
-        """Print the result, the reasons and the bounds."""
-        result = f"the parameters are {'' if self.physical else 'not '}physically consistent"
-        if not self.bounds:
-            return to_text(result, *self.reasons)
-        headers = ("mass [kg]", "≥", "at least", "with these lengths", "below")
-        rows = [(b.masses, b.formula, *(f"{x:.2f}" if np.isfinite(x) else "∞" for x in b[2:])) for b in self.bounds]
-        return to_text(result, *self.reasons, make_table(headers, rows))
+        """Print the result and the reasons."""
+        return "\n".join([f"the parameters are {'not ' if self.reasons else ''}physically consistent", *self.reasons])
 
 
 def check_physical(leg: Leg, values: ArrayLike) -> PhysicalCheck:
@@ -76,77 +56,39 @@ def check_physical(leg: Leg, values: ArrayLike) -> PhysicalCheck:
         values: Base parameters, (p,), in the order of ``leg.parameter_names``.
 
     Returns:
-        The result with its reasons, and for a planar leg bounds of the masses, which motion does not determine.
+        The result with its reasons.
 
     Raises:
         ExoidError: The values do not fit the leg or are not finite.
 
     Example:
         >>> leg = exoid.load_leg("bleex", inertias="cad")
-        >>> tuple(round(bound.least, 2) for bound in check_physical(leg, leg.parameters).bounds)
-        (8.94, 5.05, 1.81)
+        >>> bool(check_physical(leg, leg.parameters)), bool(check_physical(leg, -leg.parameters))
+        (True, False)
     """
     array = fitting(leg, values)
-    if leg.chain is None:
-        lifted = lift(leg, array)
-        if lifted.feasible:
-            return PhysicalCheck(True, (), ())
-        return PhysicalCheck(False, ("no links with positive mass density have these base parameters",), ())
-    bounds, reasons = _planar(leg, array.reshape(-1, 3))
-    return PhysicalCheck(not reasons, tuple(reasons), tuple(bounds))
+    if leg.chain is not None:
+        return PhysicalCheck(tuple(_planar_faults(leg, array.reshape(-1, 3)))[::-1])
+    feasible = lift(leg, array).feasible
+    return PhysicalCheck(() if feasible else ("no links with positive mass density have these base parameters",))
 
 
-def _planar(leg: Leg, segments: FloatArray) -> tuple[list[MassBound], list[str]]:
+def _planar_faults(leg: Leg, segments: FloatArray) -> Iterator[str]:
+    """Reasons why segments (X, Y, J) are not possible, from the foot upwards."""
     assert leg.chain is not None
-    links, n = leg.link_labels, len(segments)
-    joined = np.append(segments[1:, 2], 0.0) if leg.cumulative else np.zeros(n)
-    carriers = [
-        _Carrier(np.array([Y, -X]), float(J - below), d)
-        for (X, Y, J), below, d in zip(segments, joined, [*leg.chain.offsets, np.zeros(2)], strict=True)
-    ]
-    names = [f"J{k + 1} − J{k + 2}" if leg.cumulative and k < n - 1 else f"J{k + 1}" for k in range(n)]
-    least, reasons = np.zeros(n + 1), []
+    n, least = len(segments), 0.0  # of the mass of all segments below
     for k in range(n - 1, -1, -1):
-        carrier, below = carriers[k], least[k + 1] if np.isfinite(least[k + 1]) else 0.0
-        least[k] = carrier.least(below)
-        if carrier.j <= 0.0:
-            reasons.append(f"{links[k]}: {names[k]} = {carrier.j:.3g} kg·m² is not positive")
-        elif not np.isfinite(least[k]):
-            reasons.append(f"{links[k]}: {below:.3g} kg below it are too much for {names[k]} = {carrier.j:.3g} kg·m²")
-        X, Y, _ = leg.parameters.reshape(-1, 3)[k]
-        if carrier.h @ np.array([Y, -X]) <= 0.0:
-            where = f"X{k + 1} = {segments[k, 0]:.3g}, Y{k + 1} = {segments[k, 1]:.3g} kg·m"
-            reasons.append(f"{links[k]}: its centre of mass is on the wrong side of its joint ({where})")
-    bounds, most = [], np.inf
-    for k, (carrier, name) in enumerate(zip(carriers, names, strict=True)):
-        masses = " + ".join(f"m_{link}" for link in links[k:])
-        formula = f"(X{k + 1}² + Y{k + 1}²)/" + (f"({name})" if "−" in name else name)
-        bounds.append(MassBound(masses, formula, carrier.least(0.0), float(least[k]), most))
-        most = carrier.most_below(most)
-    return bounds, reasons[::-1]
-
-
-class _Carrier(NamedTuple):
-    """A segment that carries mass M' at d: h, j and d of the module docstring."""
-
-    h: FloatArray
-    j: float
-    d: FloatArray
-
-    def least(self, below: float) -> float:
-        """Smallest mass of the segment and all below it, given the mass below; infinite if there is none."""
-        free = self.j - below * float(self.d @ self.d)
-        if self.j <= 0.0 or free <= 0.0:
-            return np.inf
-        return (float(self.h @ self.h) + below * (self.j - 2.0 * float(self.h @ self.d))) / free
-
-    def most_below(self, most: float) -> float:
-        """Largest mass below, given that of the segment and all below it: :meth:`least` solved for M'."""
-        squared = float(self.d @ self.d)
-        if self.j <= 0.0:
-            return 0.0
-        if not np.isfinite(most):
-            return self.j / squared if squared > 0.0 else np.inf
-        room = most * self.j - float(self.h @ self.h)
-        slope = self.j - 2.0 * float(self.h @ self.d) + most * squared
-        return room / slope if room > 0.0 < slope else 0.0
+        X, Y, J = segments[k].tolist()
+        link, cumulative = leg.link_labels[k], leg.cumulative and k < n - 1
+        j, name = (J - float(segments[k + 1, 2]), f"J{k + 1} − J{k + 2}") if cumulative else (J, f"J{k + 1}")
+        h, d = np.array([Y, -X]), leg.chain.offsets[k] if k < n - 1 else np.zeros(2)
+        free = j - least * float(d @ d)
+        if j <= 0.0:
+            yield f"{link}: {name} = {j:.3g} kg·m² is not positive"
+        elif free <= 0.0:
+            yield f"{link}: {least:.3g} kg below it are too much for {name} = {j:.3g} kg·m²"
+        least = (float(h @ h) + least * (j - 2.0 * float(h @ d))) / free if min(j, free) > 0.0 else 0.0
+        own_X, own_Y, _ = leg.parameters.reshape(-1, 3)[k]
+        if h @ np.array([own_Y, -own_X]) <= 0.0:
+            where = f"X{k + 1} = {X:.3g}, Y{k + 1} = {Y:.3g} kg·m"
+            yield f"{link}: its centre of mass is on the wrong side of its joint ({where})"

@@ -25,7 +25,7 @@ from exoid.leg.closure import Closure, TreeMotion
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.tools.numbers import ROUNDED
 
-from .reduction import LINK_PARAMETERS, LINK_UNITS, RankDecision, Reduction
+from .reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
 from .tree import Tree, is_floating
 from .tree_regressor import BaseSamples, fill_tree_regressor
 
@@ -75,9 +75,8 @@ def numeric(
     nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > ROUNDED * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
     changed = [change[:, nonzero] / scale[nonzero] for change in changes]
-    rank = _decide_rank(unit, changed, W.shape[1], closed=closure is not None)
+    r = _decide_rank(unit, changed, closed=closure is not None)
     _, R, order = scipy.linalg.qr(unit * _preferences(nonzero, W.shape[1]), mode="economic", pivoting=True)
-    r = rank.rank
     kept, grouped = nonzero[order[:r]], nonzero[order[r:]]
     weights = np.zeros((r, W.shape[1]))
     if len(grouped):
@@ -94,7 +93,7 @@ def numeric(
     small = np.abs(weights[:, grouped]) < DISTINCT * rounded * scale[grouped] / scale[kept][:, None]
     mentioned[:, grouped] = np.where(small, 0.0, weights[:, grouped])
     names = tuple(_label(row, int(k), labels) for row, k in zip(mentioned, kept, strict=True))
-    return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread, rank)
+    return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread)
 
 
 def _random_regressor(model: pin.Model, closure: Closure | None, *, seed: int, moving_base: bool) -> FloatArray:
@@ -146,7 +145,7 @@ def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(np.maximum(np.maximum(length, rounded), ROUNDED * length.max()))
 
 
-def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int, *, closed: bool) -> RankDecision:
+def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], *, closed: bool) -> int:
     """Count the directions with effects beyond those of rounding: generalised singular values of Y and ΔY."""
     floor = ROUNDED * np.eye(unit.shape[1])  # directions that no rounding changes
     R = np.asarray(np.linalg.qr(unit, mode="r"))
@@ -157,17 +156,13 @@ def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], columns: int, 
     # The short strokes of closed loops make effects that fade out evenly: those above the next gap are kept, too
     while closed and 0 < rank < len(effects) and effects[rank] * GAP > effects[rank - 1]:
         rank += 1
-    sigma = np.linalg.svd(unit, compute_uv=False)
-    sigma = sigma / sigma[0]
-    dropped = float(sigma[rank]) if rank < len(sigma) else 0.0
-    decision = RankDecision(rank, columns, float(sigma[rank - 1]), dropped, ROUNDING)
     if rank < len(effects) and effects[rank] * GAP > effects[rank - 1]:
         raise NotIdentifiableError(
             f"the number of base parameters is ambiguous: one has {effects[rank - 1]:.1f} times the effect of rounding "
             f"the URDF's numbers by {ROUNDING:g}, another {effects[rank]:.1f} times, and {DISTINCT:g} times is kept",
             remedy=REMEDY,
         )
-    return decision
+    return rank
 
 
 def _rounded_coefficients(

@@ -16,24 +16,6 @@ LINK_PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", 
 LINK_UNITS = ("kg", *3 * ("kg·m",), *6 * ("kg·m²",))
 
 
-@dataclass(frozen=True)
-class RankDecision:
-    """Rank of a regressor, and the singular values that decided it."""
-
-    rank: int  # number of base parameters
-    columns: int  # number of columns of the regressor, 10 per link
-    smallest_kept: float  # smallest singular value that was kept, relative to the largest
-    largest_dropped: float  # largest singular value that was dropped, relative to the largest
-    threshold: float  # rounding error of the URDF's numbers [rad, m], whose effects count as zero
-
-    def __str__(self) -> str:
-        """Write one line."""
-        return (
-            f"{self.rank} of {self.columns} parameters are independent: singular values "
-            f"{self.smallest_kept:.1e} kept, {self.largest_dropped:.1e} dropped, rounding {self.threshold:.0e}"
-        )
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Reduction:
     """Reduction of link parameters π to base parameters β = K π, with Y π = (Y S) (K π) for every motion."""
@@ -42,7 +24,6 @@ class Reduction:
     units: tuple[str, ...]  # units of the base parameters, (p,)
     collect: FloatArray  # matrix K from link parameters to base parameters, (p, 10 n)
     spread: FloatArray  # matrix S from base parameters to link parameters, (10 n, p); K S = 1
-    rank: RankDecision | None = None  # rank decision of a numerical reduction; None for a documented one
 
     def __repr__(self) -> str:
         """Write one line."""

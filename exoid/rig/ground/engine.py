@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.leg.link_frames import link_frame
-from exoid.leg.mjcf import require_mujoco
+from exoid.tools.extras import require_mujoco
 
 from .motion import JointTargets, Spring
 from .mujoco_model import build_mujoco_model, geometry_name

@@ -10,7 +10,8 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.link_frames import link_frame
-from exoid.leg.mjcf import joint_axes, require_mujoco, set_inertia
+from exoid.leg.model import joint_axis
+from exoid.tools.extras import require_mujoco
 
 from .plant import Block, GroundPlant, Sole
 
@@ -74,7 +75,7 @@ def _base_joint(name: str) -> str:
 def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noqa: ANN401
     model, kinds = plant.leg.model, mujoco.mjtJoint
     torso = spec.worldbody.add_body(name="exoid torso")
-    bodies, data, joints = [torso], model.createData(), joint_axes(model)
+    bodies, data = [torso], model.createData()
     pin.forwardKinematics(model, data, pin.neutral(model))
     _set_inertia(torso, model.inertias[0], plant, np.eye(3))
     if plant.is_planar:
@@ -90,7 +91,7 @@ def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noq
         x, y, z, w = pin.Quaternion(place.rotation).coeffs()
         body = bodies[model.parents[j]].add_body(name=f"exoid {j}", pos=place.translation, quat=[w, x, y, z])
         _set_inertia(body, model.inertias[j], plant, data.oMi[j].rotation)
-        twist = joints[j - 1]
+        twist = joint_axis(model.joints[j])
         turns = bool(twist[3:].any())
         body.add_joint(
             name=model.names[j],
@@ -108,7 +109,8 @@ def _set_inertia(body: Any, inertia: pin.Inertia, plant: GroundPlant, rotation: 
     if plant.is_planar:
         lateral = rotation.T @ plant.plane.lateral
         matrix = float(lateral @ matrix @ lateral) * np.eye(3)
-    set_inertia(body, pin.Inertia(inertia.mass, inertia.lever, matrix))
+    body.explicitinertial, body.mass, body.ipos = True, inertia.mass, inertia.lever
+    body.fullinertia = [matrix[0, 0], matrix[1, 1], matrix[2, 2], matrix[0, 1], matrix[0, 2], matrix[1, 2]]
 
 
 def _add_sole(bodies: list[Any], mujoco: Any, plant: GroundPlant, link: str, sole: Sole) -> None:  # noqa: ANN401

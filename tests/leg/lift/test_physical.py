@@ -28,25 +28,13 @@ def bleex():
 
 @pytest.mark.parametrize("name", BLEEX_SETS)
 def test_the_published_sets_of_document_1_are_physical_and_bound_the_masses(bleex, name):
-    found = check_physical(bleex, published(name))
-    assert found
-    assert found.reasons == ()
-    assert tuple(round(bound.least, 2) for bound in found.bounds) == BOUNDS[name]
-    assert [bound.masses for bound in found.bounds] == ["m_thigh + m_shank + m_foot", "m_shank + m_foot", "m_foot"]
-    assert [bound.formula for bound in found.bounds] == [
-        "(X1² + Y1²)/(J1 − J2)",
-        "(X2² + Y2²)/(J2 − J3)",
-        "(X3² + Y3²)/J3",
-    ]
-    for bound in found.bounds:
-        assert bound.least <= bound.least_with_lengths < bound.most
-
-
-@pytest.mark.parametrize("name", BLEEX_SETS)
-def test_the_masses_that_docs_assume_are_within_the_bounds(bleex, name):
-    masses = np.cumsum([3.1, 4.2, 4.75])[::-1]
-    for mass, bound in zip(masses, check_physical(bleex, published(name)).bounds, strict=True):
-        assert bound.least_with_lengths < mass < bound.most
+    """The lightest legs of a semidefinite program are heavier than the bounds of docs/legs.md, which need no length."""
+    X, Y, J = published(name).reshape(3, 3).T
+    assert check_physical(bleex, published(name))
+    assert tuple(((X**2 + Y**2) / -np.diff(J, append=0.0)).round(2)) == BOUNDS[name]
+    for first, (bound, assumed) in enumerate(zip(BOUNDS[name], (12.05, 7.3, 3.1), strict=True)):
+        least, most = mass_range(bleex, published(name), first)
+        assert bound < least + 0.01 < assumed < (np.inf if most is None else most)
 
 
 def test_table_iii_of_document_2_is_no_leg():
@@ -68,20 +56,6 @@ def test_every_leg_made_of_point_masses_is_physical(chain: PlanarURDF):
         leg = chain.leg(cumulative=cumulative)
         found = check_physical(leg, leg.parameters)
         assert found, found
-        masses = np.cumsum([inertia.mass for inertia in list(leg.model.inertias)[:0:-1]])[::-1]
-        for mass, bound in zip(masses, found.bounds, strict=True):
-            assert bound.least <= bound.least_with_lengths * (1 + 1e-9)
-            assert bound.least_with_lengths <= mass * (1 + 1e-9)
-            assert mass <= bound.most * (1 + 1e-9)
-
-
-@pytest.mark.parametrize("name", BLEEX_SETS)
-def test_bounds_on_masses_are_those_of_a_semidefinite_program(bleex, name):
-    values = published(name)
-    for first, bound in enumerate(check_physical(bleex, values).bounds):
-        least, most = mass_range(bleex, values, first)
-        assert least == pytest.approx(bound.least_with_lengths, rel=1e-4)
-        assert most == pytest.approx(bound.most, rel=1e-4)
 
 
 def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
@@ -122,5 +96,4 @@ def test_a_robot_that_is_no_planar_chain_is_checked_by_lifting():
     values[inertia] = -1.0
     found = check_physical(leg, values)
     assert not found
-    assert found.bounds == ()
     assert "no links" in str(found)

@@ -82,12 +82,9 @@ def test_the_rank_is_that_of_a_regressor_over_other_motions(robot):
     scale = np.linalg.norm(Y, axis=0)
     Y = Y[:, scale > 1e-9 * scale.max()] / scale[scale > 1e-9 * scale.max()]
     sigma = np.linalg.svd(Y, compute_uv=False)
-    decision = leg.reduction.rank
-    assert decision.rank == len(leg.parameters) == int((sigma > 1e-8 * sigma[0]).sum())
-    assert decision.columns == 10 * n
-    assert decision.smallest_kept > 1e-2
-    assert decision.largest_dropped < 1e-10
-    assert f"{decision.rank} of {10 * n} parameters are independent" in str(decision)
+    rank = len(leg.parameters)
+    assert sigma[rank - 1] > 1e-2 * sigma[0]
+    assert not (sigma[rank:] > 1e-10 * sigma[0]).any()
 
 
 def test_collecting_spread_parameters_is_the_identity(robot):
@@ -107,7 +104,7 @@ def test_parameters_that_no_motion_within_the_limits_shows_are_left_out(lower, u
     limits = [np.array([x]) for x in (1.0, 1.0, lower, upper)]
     joint = model.addJoint(0, pin.JointModelRY(), pin.SE3.Identity(), "one", *limits)
     model.appendBodyToJoint(joint, pin.Inertia(1.0, np.array([0.1, 0.0, 0.2]), np.eye(3)), pin.SE3.Identity())
-    assert numeric(model, labels(1)).rank.rank == count
+    assert len(numeric(model, labels(1)).names) == count
 
 
 def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_parameters():
