@@ -100,7 +100,7 @@ class WithEdges(ZeroPhase):
 
     def kinematics(self, recording: Recording) -> Kinematics:
         rate = recording.sample_rate
-        q = zero_phase(recording.q, rate, self.kinematics_cutoff_at(rate), self.order)
+        q = zero_phase(recording.q, rate, self.kinematics_cutoff_at(rate))
         return Kinematics(q, central_difference(q, rate, 4), second_difference(q, rate, 4), slice(None))
 
 

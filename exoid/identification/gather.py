@@ -16,7 +16,7 @@ from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
-from exoid.signals.preparation import preparation_by_name
+from exoid.signals.preparation import preparation_from_json
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from exoid.torques.regrouping import regroup
 
@@ -119,7 +119,7 @@ def gather(
         apart = {one.name: None for model, names in pairs for one in model.regrouped if one.name not in names}
         problem = _remodelled(problem, own, tuple(apart))
     if isinstance(preparation, str):
-        preparation = preparation_by_name(preparation)
+        preparation = preparation_from_json({"name": preparation})
     groups = []
     for group in problem.groups:
         with within(group.name):

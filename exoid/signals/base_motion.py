@@ -10,10 +10,15 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.reduction.planar import GRAVITY
 
-from . import checks
-from .base_pose import STANDARD_CUTOFF, BasePose, motion_of_pose, turn_upright
+from . import checks, timebase
+from .base_pose import BasePose, continuous, refuse_unfit_poses, twice_imaginary
+from .differentiation import central_difference, second_difference, smooth_motion
 from .timebase import Sampled
+
+STANDARD_CUTOFF = 10.0
+"""Default cut-off frequency of poses [Hz], above that of the filter that a recording passes later."""
 
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
 """Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""
@@ -103,7 +108,15 @@ class BaseMotion(Sampled):
         for name, reading in zip(("gyro", "specific_force"), readings, strict=True):
             checks.refuse_shape(reading, (len(np.atleast_1d(readings[0])), 3), name)
         if rotation is not None:
-            mounting = _mounting(rotation)
+            mounting = checks.as_numbers(rotation, "rotation")
+            checks.refuse_shape(mounting, (3, 3), "rotation")
+            error = np.abs(mounting @ mounting.T - np.eye(3)).max()
+            if not error <= 1e-3 or np.linalg.det(mounting) < 0.0:
+                raise BadArgumentError(
+                    "the mounting of the sensor is not a rotation"
+                    + ("; its axes are left-handed" if error <= 1e-3 else ""),
+                    remedy="pass a (3, 3) matrix whose columns are the sensor's x, y, z in the axes of the root link",
+                )
             readings = [reading @ mounting.T for reading in readings]
         return cls(readings[0], readings[1], checks.as_numbers(position, "position"), pose)
 
@@ -116,40 +129,42 @@ class BaseMotion(Sampled):
         *,
         cutoff: float = STANDARD_CUTOFF,
         at: ArrayLike = (0.0, 0.0, 0.0),
-        rotation: ArrayLike | None = None,
-        up: ArrayLike = (0.0, 0.0, 1.0),
     ) -> BaseMotion:
         """Derive the motion of the base from poses, such as those of motion capture.
 
-        Orientation R and position p pass the same smoothing differentiator (Savitzky and Golay, degree 5), and
-        f = Rᵀ(p̈ − g). An error of the vertical is an error of gravity: 10 mrad are 0.1 m/s².
+        Orientation R and position p pass the low-pass of joint angles, central differences follow, and f = Rᵀ(p̈ − g).
+        An error of the vertical is an error of gravity: 10 mrad are 0.1 m/s².
 
         Args:
-            position: Position of the tracked body in the laboratory [m], (N, 3).
-            quaternion: Its orientation (x, y, z, w): laboratory from body, (N, 4), of norm 1.
+            position: Position of a tracked point of the root link in a laboratory whose z axis points up [m], (N, 3).
+                See :func:`exoid.signals.turn_upright` for other laboratories.
+            quaternion: Orientation (x, y, z, w): laboratory from root link, (N, 4), of norm 1.
             time: Time stamps [s], (N,), evenly spaced.
-            cutoff: −3 dB frequency of the differentiator [Hz].
+            cutoff: −3 dB frequency of the low-pass [Hz].
             at: Position of the tracked point in the axes of the root link [m], (3,).
-            rotation: Axes of the tracked body as columns, in the axes of the root link, (3, 3); None if parallel.
-            up: Direction against gravity in the laboratory, (3,); some systems have y up.
 
         Returns:
-            The motion of the base, with its smoothed pose in a laboratory whose z axis points up: where ``up`` is
-            another direction, the laboratory is turned by :func:`exoid.signals.turn_upright`.
+            The motion of the base, with its smoothed pose.
 
         Raises:
             ExoidError: Shapes do not fit, a number is missing, a quaternion is not of norm 1, the pose jumps, time is
                 not even, or the cut-off does not fit the rate.
         """
         stamps, points = checks.as_numbers(time, "time"), checks.as_numbers(position, "position of the base")
-        turns, vertical = checks.as_numbers(quaternion, "quaternion"), checks.as_numbers(up, "up")
-        mounting = np.eye(3) if rotation is None else _mounting(rotation)
-        upright, body = turn_upright(vertical), scipy.spatial.transform.Rotation
-        moved = motion_of_pose(stamps, points, turns, cutoff, vertical)
-        motion = cls.from_imu(moved.angular_velocity, moved.specific_force, position=at, rotation=mounting)
-        root = upright @ body.from_quat(moved.quaternion).as_matrix() @ mounting.T
-        origin = moved.position @ upright.T - root @ motion.position
-        return replace(motion, pose=BasePose(origin, body.from_matrix(root).as_quat()), calibrated=True)
+        turns = checks.as_numbers(quaternion, "quaternion")
+        refuse_unfit_poses(stamps, points, turns)
+        rate = timebase.sampling_rate(stamps)
+        place, h = np.hsplit(smooth_motion(np.hstack([points, continuous(turns)]), rate, cutoff), [3])
+        h = h / np.linalg.norm(h, axis=1, keepdims=True)
+        acceleration = second_difference(place, rate, 4)
+        if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > 100.0:  # root mean square [m/s²]
+            raise BadArgumentError(
+                "the poses accelerate by more than 100 m/s²", remedy="give positions in m, or a lower cutoff"
+            )
+        root = scipy.spatial.transform.Rotation.from_quat(h)
+        force = root.apply(acceleration - np.array([0.0, 0.0, -GRAVITY]), inverse=True)
+        motion = cls.from_imu(twice_imaginary(h, central_difference(h, rate, 4)), force, position=at)
+        return replace(motion, pose=BasePose(place - root.apply(motion.position.copy()), h), calibrated=True)
 
     @property
     def columns(self) -> FloatArray:
@@ -175,16 +190,3 @@ class BaseMotion(Sampled):
 
 def _point(position: FloatArray) -> str:
     return f"({', '.join(f'{x:.4g}' for x in position.tolist())})"
-
-
-def _mounting(rotation: ArrayLike) -> FloatArray:
-    """Check a rotation matrix."""
-    matrix = checks.as_numbers(rotation, "rotation")
-    checks.refuse_shape(matrix, (3, 3), "rotation")
-    error = np.abs(matrix @ matrix.T - np.eye(3)).max()
-    if not error <= 1e-3 or np.linalg.det(matrix) < 0.0:
-        raise BadArgumentError(
-            "the mounting of the sensor is not a rotation" + ("; its axes are left-handed" if error <= 1e-3 else ""),
-            remedy="pass a (3, 3) matrix whose columns are the sensor's x, y, z in the axes of the root link",
-        )
-    return matrix

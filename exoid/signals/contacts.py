@@ -12,7 +12,7 @@ from .recording import Recording
 from .wrench import Wrench
 
 TOUCH, LIFT = 0.1, 0.05
-"""Default thresholds of the normal force, over its largest one.
+"""Thresholds of the normal force at touch-down and lift-off, over its largest one.
 
 Noise of a plate (2 to 4 N) is far below 5 % of what a wearer and an exoskeleton weigh (800 N).
 """
@@ -21,26 +21,21 @@ LEAST_LOAD = 20.0
 """Largest normal force below which nobody stood on the link [N]."""
 
 
-def contacts_from_wrench(
-    wrench: Wrench, *, touch: float = TOUCH, lift: float = LIFT, up: ArrayLike = (0.0, 0.0, 1.0)
-) -> BoolArray:
+def contacts_from_wrench(wrench: Wrench, *, up: ArrayLike = (0.0, 0.0, 1.0)) -> BoolArray:
     """Find when a link is on the ground from its normal force f · up.
 
-    Contact begins where the force exceeds ``touch`` times its largest one, and ends where it falls below ``lift`` times
-    that. Before the first of both, the link is taken to do the opposite: before it touches, it is in the air.
+    Contact begins where the force exceeds 10 % of its largest one, and ends where it falls below 5 %. Before the first
+    of both, the link is taken to do the opposite: before it touches, it is in the air.
 
     Args:
         wrench: Wrench on the link.
-        touch: Threshold of touch-down, over the largest normal force.
-        lift: Threshold of lift-off, over the largest normal force; less than ``touch``.
         up: Direction of the normal force, away from the ground, in the axes of the wrench, (3,).
 
     Returns:
         Samples in contact, (N,).
 
     Raises:
-        ExoidError: Thresholds are not 0 < lift < touch < 1, nobody stands on the link or always stands on it, or the
-            force points into the ground.
+        ExoidError: Nobody stands on the link or always stands on it, or the force points into the ground.
 
     Example:
         >>> fz = 400.0 * np.maximum(0.0, np.sin(np.arange(12) * 0.6))
@@ -48,11 +43,6 @@ def contacts_from_wrench(
         >>> contacts_from_wrench(foot).astype(int)
         array([0, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 1])
     """
-    if not 0.0 < lift < touch < 1.0:
-        raise BadArgumentError(
-            f"thresholds touch={touch} and lift={lift} of a contact",
-            remedy=f"give shares of the largest force, 0 < lift < touch < 1, such as touch={TOUCH}, lift={LIFT}",
-        )
     normal = wrench.force @ checks.as_direction(up)
     low, largest = np.quantile(normal, [0.01, 0.99]).tolist()  # so that an impact does not raise the thresholds
     if largest < LEAST_LOAD:
@@ -64,12 +54,12 @@ def contacts_from_wrench(
             if downwards
             else "check the unit (N) and the direction up=, or leave the contact out",
         )
-    above, below = normal > touch * largest, normal < lift * largest
+    above, below = normal > TOUCH * largest, normal < LIFT * largest
     if not below.any():
         raise BadArgumentError(
-            f"the normal force stays above {lift * largest:.4g} N ({lift:g} of its largest)",
-            remedy="if the foot stands throughout, give the contact as np.ones(N, dtype=bool); otherwise raise lift, "
-            "or take out the sensor's offset",
+            f"the normal force stays above {LIFT * largest:.4g} N ({LIFT:g} of its largest)",
+            remedy="if the foot stands throughout, give the contact as np.ones(N, dtype=bool); otherwise take out the "
+            "sensor's offset",
         )
     last = np.maximum.accumulate(np.where(above | below, np.arange(len(normal)), -1))
     before = not above[int(np.argmax(above | below))]

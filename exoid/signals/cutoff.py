@@ -50,8 +50,8 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
 
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
-    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz, and at most 0.2 of a rate
-    below 20 Hz. If there is none for a joint, its f has the smallest noise ratio. For short recordings f is raised
+    The result is the smallest over the joints of the highest such f, between 1 and 8 Hz, and at most a fifth of the
+    rate. If there is none for a joint, its f has the smallest noise ratio. For short recordings f is raised
     until the ends of the filters leave half of the samples. Recorded accelerations have no such noise. Where the base
     moves, noise and signal of its angular acceleration are added to those of each joint.
 
@@ -102,19 +102,13 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     allowed = ratio <= 0.02**2
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
-    slowest = min(each.rate for each in powers)
-    for cutoff in CUTOFFS[lowest : np.searchsorted(CUTOFFS, LARGEST_RATIO * slowest)].tolist():
+    # both filters have their usual ratio
+    highest = min(float(CUTOFFS[-1]), LARGEST_RATIO / KINEMATICS_MULTIPLE * min(each.rate for each in powers))
+    for cutoff in CUTOFFS[lowest:][CUTOFFS[lowest:] < highest].tolist():
         # the ends of the filters leave half of each recording
         if all(4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
             return float(cutoff)
-    return highest_cutoff(slowest)
-
-
-def highest_cutoff(rate: float) -> float:
-    """Highest cut-off: 8 Hz; below 20 samples a second, that at which both filters have their usual ratio."""
-    if CUTOFFS[-1] < LARGEST_RATIO * rate:
-        return float(CUTOFFS[-1])
-    return LARGEST_RATIO / KINEMATICS_MULTIPLE * rate
+    return highest
 
 
 def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> FloatArray:

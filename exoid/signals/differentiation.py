@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Literal, NamedTuple
 
@@ -12,8 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 
-from .filters.low_pass import TOLERANCE, both_passes, edge_length, refuse_short
-from .recording import Recording
+from .filters.low_pass import TOLERANCE, both_passes, edge_length, pass_sections, refuse_short
 
 Accuracy = Literal[2, 4]
 
@@ -58,34 +56,34 @@ class Kinematics(NamedTuple):
         return f"Kinematics({samples} samples, {joints} joints, valid: {self.valid.start} to {self.valid.stop})"
 
 
-def smooth_motion(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
+def smooth_motion(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
     """Low-pass angles, velocities or accelerations as `zero_phase`, with a continuation that keeps their curvature."""
     # At each end, the motion is continued by the polynomial of degree 7 that fits the last two periods of the cut-off
     # best. The filter passes polynomials of this degree unchanged, so that only what they do not fit is distorted. Rows
     # less than `motion_edge` from an end should not be used.
-    pad = edge_length(rate, cutoff, order, 1e-8)
+    pad = edge_length(rate, cutoff, tolerance=1e-8)
     window = max(12, round(2.0 * rate / cutoff))
     refuse_short(x, rate, cutoff, window - 1)
-    return both_passes(x, rate, cutoff, order, pad, partial(_continue, weights=_continuation(window, pad)))
+    continued = partial(_continue, weights=_continuation(window, pad))
+    return both_passes(x, pass_sections(rate, cutoff), pad, continued)
 
 
-def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
+def motion_edge(rate: float, cutoff: float) -> int:
     """Count the samples at each end of a record that are not used after `smooth_motion`.
 
     This is one period of the cut-off f_k, and at least six samples. Bound of the error that the end causes beyond them
-    in the acceleration of a sine of frequency f, as part of its amplitude, for orders up to 4:
+    in the acceleration of a sine of frequency f, as part of its amplitude:
 
     * 1e-5 for f ≤ f_k/8,
     * 2e-4 for f ≤ f_k/4, half of the cut-off of the parallel filter by default,
     * 1e-2 for f ≤ f_k/2, where the filter itself attenuates by 2e-3.
 
     Noise of the angle causes at most 1.5 times as much noise of the acceleration as far from the end. Faster motions
-    have no bound. Filters ring longer at rates below 4 f_k and if their order is higher: more samples count there.
+    have no bound. Filters ring longer at rates below 4 f_k: more samples count there.
 
     Args:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz].
-        order: Order of one pass.
 
     Returns:
         Number of samples at each end.
@@ -93,8 +91,8 @@ def motion_edge(rate: float, cutoff: float, order: int = 4) -> int:
     Raises:
         ExoidError: The cut-off is not between 0 and half the rate.
     """
-    if rate < 4.0 * cutoff or order > 4:
-        return edge_length(rate, cutoff, order, TOLERANCE if rate > 3.0 * cutoff else 1e-6)
+    if rate < 4.0 * cutoff:
+        return edge_length(rate, cutoff, tolerance=TOLERANCE if rate > 3.0 * cutoff else 1e-6)
     return max(6, math.ceil(rate / cutoff))
 
 
@@ -149,22 +147,3 @@ def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
         derived[:margin] = stencil.ends @ signal[:width]
         derived[samples - margin :] = parity * (stencil.ends @ signal[: -width - 1 : -1])[::-1]
     return out.T.reshape(x.shape)
-
-
-def derive(
-    recording: Recording, smooth: Callable[[FloatArray], FloatArray], ends: tuple[int, int], accuracy: Accuracy
-) -> Kinematics:
-    """Smooth the recorded quantities and derive the others from q; rows at both ends are not valid."""
-    (head, tail), samples = ends, len(recording)
-    if samples <= head + tail:
-        raise UnreadableInputError(
-            f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
-            where=recording.source.name if recording.source else "",
-            remedy="record longer or choose a higher cut-off; of a longer log, pass all with Recording.segments",
-        )
-    # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
-    # DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
-    rate, q = recording.sample_rate, smooth(recording.q)
-    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
-    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
-    return Kinematics(q, v, a, slice(head, samples - tail))

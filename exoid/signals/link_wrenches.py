@@ -68,20 +68,6 @@ def link_placement(leg: Leg, recording: Recording, link: str) -> SegmentPlacemen
     return SegmentPlacements(rotation @ inside.rotation, place)
 
 
-def wrench_on_link(wrench: Wrench, placement: SegmentPlacements) -> Wrench:
-    """Turn a wrench into the axes of its link."""
-    if wrench.axes == "link":
-        return wrench
-    if len(placement.translation) != len(wrench):
-        raise BadArgumentError(
-            f"a wrench of {len(wrench)} samples on a link with {len(placement.translation)}",
-            remedy="give both at the same time stamps",
-        )
-    at_origin = wrench.about(placement.translation)
-    force, moment = (np.einsum("nji,nj->ni", placement.rotation, x) for x in (at_origin.force, at_origin.moment))
-    return Wrench(force, moment)
-
-
 def wrenches_on_links(leg: Leg, recording: Recording) -> dict[str, Wrench]:
     """Give all wrenches of a recording in the axes of their links.
 
@@ -96,10 +82,14 @@ def wrenches_on_links(leg: Leg, recording: Recording) -> dict[str, Wrench]:
         ExoidError: A link is not in the URDF, or a joint is missing.
     """
     refuse_unknown_links(leg, recording)
-    return {
-        link: one if one.axes == "link" else wrench_on_link(one, link_placement(leg, recording, link))
-        for link, one in recording.wrenches.items()
-    }
+    found = dict(recording.wrenches)
+    for link, wrench in found.items():
+        if wrench.axes == "world":
+            rotation, translation = link_placement(leg, recording, link)
+            moved = wrench.about(translation)
+            force, moment = (np.einsum("nji,nj->ni", rotation, x) for x in (moved.force, moved.moment))
+            found[link] = Wrench(force, moment)
+    return found
 
 
 def _root_placement(leg: Leg, recording: Recording) -> tuple[FloatArray, FloatArray]:

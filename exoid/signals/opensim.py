@@ -6,17 +6,16 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError, in_file
 
 from . import timebase
 from .base_motion import BaseMotion
-from .base_pose import STANDARD_CUTOFF, turn_upright
+from .base_pose import turn_upright
 from .column import Column
 from .joined import in_order
 from .opensim_forces import UP, read_opensim_forces
@@ -34,14 +33,6 @@ PELVIS_PLACES = ("pelvis_tx", "pelvis_ty", "pelvis_tz")
 """Position of the pelvis in the laboratory [m]."""
 
 
-class PelvisPose(NamedTuple):
-    """Pose of the pelvis in a laboratory whose z axis points up; axes of the pelvis are x forward, y left and z up."""
-
-    time: FloatArray  # time stamps [s], (N,)
-    position: FloatArray  # position of its origin [m], (N, 3)
-    quaternion: FloatArray  # orientation (x, y, z, w), laboratory from pelvis, (N, 4)
-
-
 def read_opensim(
     path: str | os.PathLike[str],
     columns: Mapping[str, str | Column] | None,
@@ -49,9 +40,7 @@ def read_opensim(
     joint_names: Sequence[str] | None = None,
     forces: str | os.PathLike[str] | None = None,
     links: Mapping[str, str] | None = None,
-    pelvis: bool | None = None,
-    at: Sequence[float] | None = None,
-    cutoff: float = STANDARD_CUTOFF,
+    pelvis: bool = True,
     **options: Unpack[ReadOptions],
 ) -> Recording:
     """Read a trial: joint angles, and if given torques, the base motion of the pelvis and the wrenches on the feet.
@@ -63,11 +52,9 @@ def read_opensim(
         joint_names: See :meth:`exoid.Recording.from_csv`.
         forces: File of ground reaction forces, of any rate on the same clock; see :func:`read_opensim_forces`.
         links: Link that stands on each plate of ``forces``, such as ``{"1": "right_foot"}``.
-        pelvis: Whether the base moves with the pelvis; None if the file has its columns.
-        at: Position of the pelvis' origin in the axes of the root link [m], (3,); None for the origin.
-        cutoff: −3 dB frequency of the differentiator of the pelvis [Hz], see :meth:`BaseMotion.from_pose`.
+        pelvis: Whether the base moves with the pelvis if the file has its columns.
         **options: Options of :class:`exoid.signals.ReadOptions` for the kinematics; ``beside`` names other files of the
-            trial, such as torques by inverse dynamics.
+            trial, such as torques by inverse dynamics, and ``base_position`` is that of the pelvis' origin.
 
     Returns:
         The recording.
@@ -89,30 +76,24 @@ def read_opensim(
             "forces and links belong together",
             remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
         )
-    table = None
-    if pelvis is not False and kind_of(Path(path)) in ("mot", "sto"):
+    table, place = None, None
+    if pelvis and kind_of(Path(path)) in ("mot", "sto"):
         with in_file(os.fsdecode(path)):
             table = open_table(path)
-            if not pelvis and not any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
-                table = None
-            elif at is None:
-                at = options.pop("base_position", None)
+            if any(name in table.header for name in PELVIS_TURNS + PELVIS_PLACES):
+                place = options.pop("base_position", None) or (0.0, 0.0, 0.0)
     recording = Recording.from_file(path, joint_names, columns, **options)
-    if table is not None and recording.base is None:
+    if table is not None and place is not None and recording.base is None:
         with in_file(os.fsdecode(path)):
-            pose = read_pelvis(table, split=options.get("gaps") == "split")
-            place = (0.0, 0.0, 0.0) if at is None else at
-            base = BaseMotion.from_pose(pose.position, pose.quaternion, pose.time, at=place, cutoff=cutoff)
-            if not np.array_equal(pose.time, recording.time):
-                base = base.interpolated(pose.time, recording.time)
+            base = read_pelvis(table, recording, place, split=options.get("gaps") == "split")
             recording = replace(recording, base=base)
     if forces is not None and links:
         recording = read_opensim_forces(forces).attached_to(recording, links)
     return recording
 
 
-def read_pelvis(table: Table, *, split: bool) -> PelvisPose:
-    """Read the pose of the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
+def read_pelvis(table: Table, recording: Recording, place: Sequence[float], *, split: bool) -> BaseMotion:
+    """Read the motion of a base with the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
     # With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right),
     # R = Rz(α) Rx(β) Ry(γ).
     names = PELVIS_TURNS + PELVIS_PLACES
@@ -131,9 +112,11 @@ def read_pelvis(table: Table, *, split: bool) -> PelvisPose:
     time, position = numbers[:, 0], numbers[:, 4:]
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))
-    place, rotation = upright.apply(position), upright * turns * upright.inv()
-    if timebase.is_uniform(time):
-        return PelvisPose(time, place, rotation.as_quat())
-    grid = timebase.even_grid(time, timebase.sampling_rate(time))
-    even = timebase.interpolate(time, place, grid, smooth=True)
-    return PelvisPose(grid, even, scipy.spatial.transform.Slerp(time, rotation)(grid).as_quat())
+    position, rotation = upright.apply(position), upright * turns * upright.inv()
+    grid = time
+    if not timebase.is_uniform(time):
+        grid = timebase.even_grid(time, timebase.sampling_rate(time))
+        position = timebase.interpolate(time, position, grid, smooth=True)
+        rotation = scipy.spatial.transform.Slerp(time, rotation)(grid)
+    base = BaseMotion.from_pose(position, rotation.as_quat(), grid, at=place)
+    return base if np.array_equal(grid, recording.time) else base.interpolated(grid, recording.time)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -11,10 +11,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, nearest
+from exoid.errors import BadArgumentError, UnreadableInputError, nearest
 from exoid.tools.json_values import record
 
-from .differentiation import Kinematics, derive, motion_edge, smooth_motion
+from .differentiation import Accuracy, Kinematics, central_difference, motion_edge, second_difference, smooth_motion
 from .filters.low_pass import TOLERANCE, design_frequency, zero_phase
 from .filters.parallel import ParallelFilter
 from .recording import Recording
@@ -102,13 +102,24 @@ class Preparation(Protocol):
         """
         return 1.0
 
-    def describe(self) -> dict[str, float | str]:
-        """Describe the preparation in a file.
 
-        Returns:
-            The settings, and ``"name"``.
-        """
-        return {"name": self.name, **asdict(self)}  # type: ignore[call-overload]
+def derive(
+    recording: Recording, smooth: Callable[[FloatArray], FloatArray], ends: tuple[int, int], accuracy: Accuracy
+) -> Kinematics:
+    """Smooth the recorded quantities and derive the others from q; rows at both ends are not valid."""
+    (head, tail), samples = ends, len(recording)
+    if samples <= head + tail:
+        raise UnreadableInputError(
+            f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
+            where=recording.source.name if recording.source else "",
+            remedy="record longer or choose a higher cut-off; of a longer log, pass all with Recording.segments",
+        )
+    # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
+    # DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
+    rate, q = recording.sample_rate, smooth(recording.q)
+    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
+    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
+    return Kinematics(q, v, a, slice(head, samples - tail))
 
 
 @dataclass(frozen=True)
@@ -124,7 +135,6 @@ class ZeroPhase(Preparation):
     Attributes:
         cutoff: −3 dB frequency of the parallel filter [Hz].
         kinematics_cutoff: −3 dB frequency for q, v, a [Hz]; None for ``min(2 cutoff, 0.4 rate)``.
-        order: Order of one of the two passes of each filter.
 
     Raises:
         ExoidError: A cut-off is not positive.
@@ -133,7 +143,6 @@ class ZeroPhase(Preparation):
     name: ClassVar[str] = "zero-phase"
     cutoff: float = 8.0
     kinematics_cutoff: float | None = None
-    order: int = 4
 
     def __post_init__(self) -> None:
         for name in ("cutoff", "kinematics_cutoff"):
@@ -164,19 +173,19 @@ class ZeroPhase(Preparation):
         Raises:
             ExoidError: A cut-off is not below half the rate.
         """
-        design_frequency(rate, self.cutoff, self.order)  # refuses a cut-off that the rate cannot carry
-        return motion_edge(rate, self.kinematics_cutoff_at(rate), self.order)
+        design_frequency(rate, self.cutoff)  # refuses a cut-off that the rate cannot carry
+        return motion_edge(rate, self.kinematics_cutoff_at(rate))
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth at the kinematics cut-off, and derive."""
         recording = recording.resampled()
         rate = recording.sample_rate
         cutoff, edge = self.kinematics_cutoff_at(rate), self.edge(rate)
-        return derive(recording, lambda x: smooth_motion(x, rate, cutoff, self.order), (edge, edge), accuracy=4)
+        return derive(recording, lambda x: smooth_motion(x, rate, cutoff), (edge, edge), accuracy=4)
 
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
         """Low-pass torques at ``cutoff``; memory beyond the result does not grow with ``x``."""
-        return zero_phase(x, rate, self.cutoff, self.order)
+        return zero_phase(x, rate, self.cutoff)
 
     def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
         """Low-pass columns exactly as the torques."""
@@ -184,16 +193,11 @@ class ZeroPhase(Preparation):
 
     def parallel(self, rate: float) -> ParallelFilter:
         """Return the low-pass at ``cutoff``."""
-        return ParallelFilter(rate, self.cutoff, self.order)
+        return ParallelFilter(rate, self.cutoff)
 
     def independent_fraction(self, rate: float) -> float:
         """Compute the noise bandwidth of the parallel filter over half the rate."""
         return self.parallel(rate).independent_fraction
-
-    def describe(self) -> dict[str, float | str]:
-        """Describe the preparation, and how its default cut-off follows from the other one."""
-        default = f"min({KINEMATICS_MULTIPLE:g} cutoff, {LARGEST_RATIO:g} rate)"
-        return {**super().describe(), "kinematics_cutoff": self.kinematics_cutoff or default}
 
 
 @dataclass(frozen=True)
@@ -205,19 +209,17 @@ class Smoothed(Preparation):
 
     Attributes:
         cutoff: −3 dB frequency for q, v, a [Hz].
-        order: Order of one of the two passes.
     """
 
     name: ClassVar[str] = "smoothed"
     cutoff: float = 10.0
-    order: int = 4
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive."""
         recording = recording.resampled()
         rate = recording.sample_rate
-        edge = motion_edge(rate, self.cutoff, self.order)
-        return derive(recording, lambda x: smooth_motion(x, rate, self.cutoff, self.order), (edge, edge), accuracy=4)
+        edge = motion_edge(rate, self.cutoff)
+        return derive(recording, lambda x: smooth_motion(x, rate, self.cutoff), (edge, edge), accuracy=4)
 
 
 @dataclass(frozen=True)
@@ -278,11 +280,6 @@ PREPARATIONS: dict[str, type[Preparation]] = {
     kind.name: kind for kind in (FiniteDifference, MovingAverage, Smoothed, ZeroPhase)
 }
 """Types of preparation by name, for files and the command line."""
-
-
-def preparation_by_name(name: str) -> Preparation:
-    """Make a preparation with its default settings."""
-    return preparation_from_json({"name": name})
 
 
 def preparation_to_json(preparation: Preparation) -> dict[str, Any]:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exoid._typing import BoolArray, FloatArray
+from exoid._typing import BoolArray
 from exoid.errors import BadArgumentError, in_file
-from exoid.tools.tables import html_table
 
 from . import checks, timebase
 from .column import Column
@@ -100,21 +99,6 @@ class Recording(RecordingData):
         ground += f"; contacts: {', '.join(self.contacts)}" if self.contacts else ""
         rest = f"{unmeasured}{passive}{payloads}{base}{ground}"
         return f"Recording({self._size()}; joints: {joints}; {named}{rest})"
-
-    def _repr_html_(self) -> str:
-        """Table for notebooks: smallest and largest value of each quantity, joint by joint."""
-        shown = [quantity for quantity in UNITS if quantity in USUAL or getattr(self, quantity) is not None]
-        headers = ("joint", *(f"{quantity} [{UNITS[quantity]}]" for quantity in shown))
-        columns = (self._ranges(getattr(self, quantity)) for quantity in shown)
-        name = self.source.name if self.source else "Recording"
-        return html_table(headers, zip(self.joint_names, *columns, strict=True), f"{name}: {self._size()}")
-
-    def _ranges(self, values: FloatArray | None) -> list[str]:
-        """Smallest and largest value of each joint."""
-        if values is None:
-            return ["not recorded"] * self.n_joints
-        ranges = zip(values.min(axis=0), values.max(axis=0), strict=True)
-        return ["not measured" if np.isnan(low) else f"{low:.3g} … {high:.3g}" for low, high in ranges]
 
     @property
     def n_joints(self) -> int:
@@ -267,37 +251,26 @@ class Recording(RecordingData):
             )
         return self.slice(int(first), int(last))
 
-    def resampled(self, rate: float | None = None) -> Recording:
-        """Resample onto uniform time stamps, starting at the first one.
+    def resampled(self) -> Recording:
+        """Resample onto uniform time stamps, starting at the first one, unless they are uniform.
 
         Angles and velocities are interpolated by a cubic spline. Accelerations, torques, currents and forces, which
         friction makes jump, are interpolated by a monotone cubic (PCHIP), which does not overshoot.
-
-        Args:
-            rate: New sampling rate [Hz], not below the present one, as a lower one would alias. None keeps the present
-                rate, and returns a uniform recording unchanged.
 
         Returns:
             The uniform recording.
 
         Raises:
-            ExoidError: Time has a gap, or the rate is not between 0.99 and 100 times the recording's.
+            ExoidError: Time has a gap.
         """
-        if rate is None and self.is_uniform:
+        if self.is_uniform:
             return self
-        own = self.sample_rate
-        new = own if rate is None else float(rate)
-        if not 0.99 * own <= new <= 100.0 * own:
-            raise BadArgumentError(
-                f"cannot resample from {own:.4g} Hz to {new:.4g} Hz",
-                remedy="keep the rate: a lower one aliases fast signals",
-            )
         timebase.refuse_gaps(self.time)
         # Stamps of arrival come in bursts, and a spline through two points with almost the same stamp oscillates
         intervals = np.diff(self.time, prepend=-np.inf)
         rows = intervals >= 0.25 * np.median(intervals)
         time = self.time[rows]
-        grid = timebase.even_grid(time, new)
+        grid = timebase.even_grid(time, self.sample_rate)
         smooth = {quantity.field: quantity.smooth for quantity in QUANTITIES}
         arrays = {
             field: timebase.interpolate(time, values[rows], grid, smooth=smooth[field])

@@ -62,9 +62,11 @@ def _of_type(hint: Any, value: Any) -> Any:  # noqa: ANN401 - of many types
         return np.array(value, dtype=np.float64)
     if origin is Mapping:
         return {str(key): _of_type(inner[1], entry) for key, entry in value.items()}
-    if origin is Literal:
-        return value  # the record checks it
-    return hint(value) if hint in (str, int, float, bool) else record(hint, value)
+    if hint not in (str, int, float, bool):
+        return value if origin is Literal else record(hint, value)  # of a literal the record checks the value
+    if type(value) is not hint and not (hint is float and type(value) is int):  # True and "8" are no numbers
+        raise TypeError(f"{value!r} is no {hint.__name__}")
+    return hint(value)
 
 
 def _fields(value: object) -> Sequence[str] | None:

@@ -78,7 +78,7 @@ def test_recorded_accelerations_and_poses_do_not_count():
 
 
 @pytest.mark.parametrize("recorded", [False, True])
-@pytest.mark.parametrize("rate", [5.0, 10.0, 20.0])
+@pytest.mark.parametrize("rate", [5.0, 10.0, 20.0, 25.0])
 def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate, recorded):
     """Also if it contains accelerations, whose noise is that of their sensor."""
     leg = write_urdf(tmp_path / "one.urdf")

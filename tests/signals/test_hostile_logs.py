@@ -246,21 +246,14 @@ def test_more_columns_than_any_robot_has_are_refused(kind, tmp_path):
     refused(path, "10001 columns, more than 10000")
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", " \n", "# a\n", "\r"])
-def test_millions_of_blank_lines_are_refused_after_the_first_million(end, tmp_path):
-    (tmp_path / "log.csv").write_text("time,q_hip\n0.0,0.0\n" + end * 3_000_000, newline="")
-    refused(tmp_path / "log.csv", "1.* blank lines and comments among the first 1")
-
-
-def test_a_blank_line_after_each_line_is_no_obstacle(tmp_path, monkeypatch):
-    monkeypatch.setattr("exoid.signals.readers.text.MOST_BLANK_LINES", 10)
-    monkeypatch.setattr("exoid.signals.readers.text.BLOCK", 64)
+def test_blank_lines_and_comments_are_no_obstacle_and_count_as_lines(tmp_path):
     rows = "".join(f"{k / 10},0.5\r\r\n" for k in range(40))
-    (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}", newline="")
-    recording = Recording.from_file(tmp_path / "log.csv")
-    assert recording.time.tolist() == [k / 10 for k in range(40)]
-    (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}x,0\r\r\n", newline="")
-    refused(tmp_path / "log.csv", "log.csv, line 83|log.csv, line 85")
+    for end, wrong in (("", 0), ("x,0\r\r\n" + 300_000 * "\n", 83)):
+        (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}{end}", newline="")
+        if wrong:
+            refused(tmp_path / "log.csv", f"log.csv, line {wrong}|log.csv, line {wrong + 2}")
+        else:
+            assert Recording.from_file(tmp_path / "log.csv").time.tolist() == [k / 10 for k in range(40)]
 
 
 @pytest.mark.slow

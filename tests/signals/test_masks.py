@@ -44,8 +44,6 @@ def test_a_sample_of_a_resampled_recording_counts_if_both_neighbours_did():
     even = uneven.resampled()
     counted = (even.time >= inside[0]) & (even.time <= inside[-1])
     np.testing.assert_array_equal(even.mask, counted)
-    finer = walk().segments([(0.5, 1.0)]).resampled(300.0)
-    assert finer.mask.sum() == 3 * 49 + 1
 
 
 def test_a_csv_log_keeps_the_mask_as_a_column(tmp_path):

@@ -45,5 +45,5 @@ def test_given_payloads_go_before_a_line_of_the_file(line, tmp_path):
 
 def test_parts_of_a_recording_keep_the_payload():
     whole = recording(payloads=PAYLOAD)
-    parts = (whole.slice(0, 20), whole.select(("hip",)), whole.resampled(100.0), whole.segments([(0.0, 0.5)]))
+    parts = (whole.slice(0, 20), whole.select(("hip",)), whole.segments([(0.0, 0.5)]))
     assert all(part.payloads == (PAYLOAD,) for part in parts)

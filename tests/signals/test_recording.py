@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
@@ -110,22 +109,3 @@ def test_slices_by_row_and_by_time_agree_and_share_no_row():
     np.testing.assert_array_equal(np.concatenate([early.tau, late.tau]), recording.tau)
     np.testing.assert_array_equal(late.q, recording.slice(20).q)
     np.testing.assert_array_equal(recording.slice(-10).time, TIME[-10:])
-
-
-def test_a_notebook_shows_the_ranges_of_each_joint():
-    t = np.arange(100) / 50.0
-    q = np.column_stack([0.5 * np.sin(3.0 * t), np.full(100, -0.25)])
-    recording = Recording(time=t, q=q, tau=40.0 * q, joint_names=("hip", "<knee>"), source=Source("a&b.csv", "0" * 64))
-    table = ET.fromstring(recording._repr_html_())
-    assert table.findtext("caption") == "a&b.csv: 100 samples at 50 Hz, 1.98 s"
-    assert [cell.text for cell in table.iter("th")] == ["joint", "q [rad]", "v [rad/s]", "a [rad/s²]", "tau [N·m]"]
-    hip, knee = ([cell.text for cell in row] for row in table.find("tbody"))
-    assert hip == ["hip", "-0.5 … 0.5", "not recorded", "not recorded", "-20 … 20"]
-    assert knee == ["<knee>", "-0.25 … -0.25", "not recorded", "not recorded", "-10 … -10"]
-
-
-def test_an_uneven_recording_in_memory_says_so_in_a_notebook():
-    t = np.cumsum(np.where(np.arange(50) % 7, 0.01, 0.013))
-    shown = Recording(time=t, q=np.zeros((50, 1)), joint_names=("knee",))._repr_html_()
-    assert "Recording: 50 samples at 100 Hz, " in shown
-    assert "s (uneven)</caption>" in shown

@@ -92,9 +92,3 @@ def test_a_fast_log_may_lose_twenty_milliseconds():
     assert recorded(np.delete(time, slice(500, 518))).resampled().is_uniform
     with pytest.raises(ExoidError, match=r"a gap of 0\.022 s"):
         recorded(np.delete(time, slice(500, 521))).resampled()
-
-
-def test_a_higher_rate_is_interpolated():
-    even = recorded(np.arange(300) / 100.0).resampled(250.0)
-    assert even.sample_rate == pytest.approx(250.0, rel=1e-9)
-    assert np.abs(even.q - motion(even.time)[0]).max() < 1e-6

@@ -7,7 +7,7 @@ from exoid.signals import ParallelFilter
 from exoid.signals.filters.reversals import around_stops, reversal_pulses
 from exoid.signals.filters.reversals import without_reversals as without_reversals_of_joints
 
-FILTER = ParallelFilter(500.0, 8.0, 4)
+FILTER = ParallelFilter(500.0, 8.0)
 SAMPLES = 10_000
 ROWS = range(500, SAMPLES - 500, FILTER.stride)
 
@@ -29,7 +29,7 @@ def test_any_torque_at_a_reversal_vanishes():
     """As well as pulses a quarter of the period apart describe it, also across the cuts between pieces."""
     unknown = reversals((1000, 1040), (3000, 3100), (5300, 5330))
     signal = np.where(unknown, np.random.default_rng(0).normal(1.0, 1.0, SAMPLES), 0.0)[None]
-    filtered = FILTER(signal, ROWS)
+    filtered = FILTER.among_zeros(signal, ROWS)
     left, *_ = without_reversals(filtered, reversal_pulses(unknown, FILTER), ROWS, FILTER)
     assert np.linalg.norm(left) < 0.02 * np.linalg.norm(filtered)
 
@@ -45,7 +45,7 @@ def test_pulses_lie_from_end_to_end_of_each_reversal_a_quarter_of_the_period_apa
 
 def test_rows_far_from_reversals_stay():
     unknown = reversals((5000, 5040))
-    signal = FILTER(np.random.default_rng(1).normal(size=(2, SAMPLES)), ROWS)
+    signal = FILTER.among_zeros(np.random.default_rng(1).normal(size=(2, SAMPLES)), ROWS)
     left, *_ = without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)
     far = np.abs(np.array(ROWS) - 5020) > 500
     np.testing.assert_allclose(left[:, far], signal[:, far], atol=0.02)
@@ -54,7 +54,7 @@ def test_rows_far_from_reversals_stay():
 
 def test_projection_is_a_projection():
     unknown = reversals((2000, 2050), (2600, 2640), (7000, 7200))
-    signal = FILTER(np.random.default_rng(2).normal(size=(3, SAMPLES)), ROWS)
+    signal = FILTER.among_zeros(np.random.default_rng(2).normal(size=(3, SAMPLES)), ROWS)
     once, *_ = without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)
     np.testing.assert_allclose(
         without_reversals(once, reversal_pulses(unknown, FILTER), ROWS, FILTER)[0], once, atol=1e-10
@@ -66,7 +66,7 @@ def test_projection_is_a_projection():
 def test_the_share_of_noise_that_is_left_is_that_of_filtered_white_noise_at_every_spacing_of_the_rows(step):
     unknown = reversals(*((start, start + 30) for start in range(600, SAMPLES, 400)))
     rows = range(ROWS.start, ROWS.stop, step)
-    noise = FILTER(np.random.default_rng(5).normal(size=(50, SAMPLES)), rows)
+    noise = FILTER.among_zeros(np.random.default_rng(5).normal(size=(50, SAMPLES)), rows)
     left, taken, share = without_reversals(noise, reversal_pulses(unknown, FILTER), rows, FILTER)
     assert share < 0.9
     np.testing.assert_allclose((left**2).sum() + (taken**2).sum(), (noise**2).sum(), rtol=1e-12)
@@ -83,5 +83,5 @@ def test_rests_are_no_reversals():
 def test_a_joint_that_shakes_keeps_its_rows(every, kept):
     """Where reversals are so dense that nothing would be left."""
     unknown = reversals(*((start, start + 20) for start in range(0, SAMPLES, every)))
-    signal = FILTER(np.random.default_rng(4).normal(size=(1, SAMPLES)), ROWS)
+    signal = FILTER.among_zeros(np.random.default_rng(4).normal(size=(1, SAMPLES)), ROWS)
     assert (without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)[0] == signal).all() == kept

@@ -6,6 +6,7 @@ import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from exoid.errors import UnreadableInputError
 from exoid.leg.catalog import load_leg
@@ -30,26 +31,36 @@ class Dataset:
     citation: str
 
 
-def find_or_download(url: str, sha256: str, file: str) -> Path:
-    """Find a file in ``$EXOID_DATA_DIR`` or in the cache, or download it, and check its hash."""
-    folder = os.environ.get("EXOID_DATA_DIR")
-    kept = Path(folder or "") / file
-    if folder and kept.is_file():
-        if hashlib.sha256(kept.read_bytes()).hexdigest() != sha256:
-            raise UnreadableInputError(
-                "not the published file: its hash differs", where=str(kept), remedy="delete it, or unset EXOID_DATA_DIR"
-            )
-        return kept
-    import pooch  # noqa: PLC0415 - it is needed once, for the download
+class PublishedFile(NamedTuple):
+    """File of a dataset that is published elsewhere."""
 
-    try:
-        return Path(pooch.retrieve(url, f"sha256:{sha256}", fname=Path(file).name, path=pooch.os_cache("exoid")))
-    except Exception as error:  # pooch passes on any error of its downloader
-        raise UnreadableInputError(
-            f"cannot be downloaded ({' '.join(str(error).split())[:200]})",
-            where=url,
-            remedy=f"download it to $EXOID_DATA_DIR/{file}",
-        ) from error
+    url: str
+    sha256: str
+    file: str  # its name in ``$EXOID_DATA_DIR``, with the folder of the dataset
+
+    def path(self) -> Path:
+        """Find the file in ``$EXOID_DATA_DIR`` or in the cache, or download it, and check its hash."""
+        folder = os.environ.get("EXOID_DATA_DIR")
+        kept = Path(folder or "") / self.file
+        if folder and kept.is_file():
+            if hashlib.sha256(kept.read_bytes()).hexdigest() != self.sha256:
+                raise UnreadableInputError(
+                    "not the published file: its hash differs",
+                    where=str(kept),
+                    remedy="delete it, or unset EXOID_DATA_DIR",
+                )
+            return kept
+        import pooch  # noqa: PLC0415 - it is needed once, for the download
+
+        cache = pooch.os_cache("exoid")
+        try:
+            return Path(pooch.retrieve(self.url, f"sha256:{self.sha256}", fname=kept.name, path=cache))
+        except Exception as error:  # pooch passes on any error of its downloader
+            raise UnreadableInputError(
+                f"cannot be downloaded ({' '.join(str(error).split())[:200]})",
+                where=self.url,
+                remedy=f"download it to $EXOID_DATA_DIR/{self.file}",
+            ) from error
 
 
 def bleex_swing() -> Dataset:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from exoid.leg.catalog import urdf_folder
 from exoid.leg.leg import Leg
 from exoid.signals.recording import Recording
 
-from .dataset import Dataset, find_or_download
+from .dataset import Dataset, PublishedFile
 
-FILE = "20220812-061157-PM_measured.csv"
-SHA256 = "af4f48db0bb984e527c7155cef9e303343cc958d8c8fc528e465823c51b615e8"
 COMMIT = "1e8544e67f3da72a51ee52fbbb278e131ce2a43f"
-URL = (
+LOG = PublishedFile(
     f"https://raw.githubusercontent.com/dfki-ric-underactuated-lab/double_pendulum/{COMMIT}"
-    f"/data/experiment_records/design_A.0/20220812/sys_id/{FILE}"
+    "/data/experiment_records/design_A.0/20220812/sys_id/20220812-061157-PM_measured.csv",
+    "af4f48db0bb984e527c7155cef9e303343cc958d8c8fc528e465823c51b615e8",
+    "dfki_double_pendulum/20220812-061157-PM_measured.csv",
 )
 TRAIN_ROWS = 14_499
 """Number of rows for identification, up to 48.343 s; the remaining 7470 rows are for validation."""
@@ -44,11 +42,6 @@ def dfki_double_pendulum() -> Dataset:
         ExoidError: The file is missing and cannot be downloaded, or differs from the published one.
     """
     leg = Leg.from_urdf(urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
-    whole = Recording.from_csv(recording_path(), leg.joint_names, COLUMNS, resample=False)
+    whole = Recording.from_csv(LOG.path(), leg.joint_names, COLUMNS, resample=False)
     train, test = whole.slice(None, TRAIN_ROWS), whole.slice(TRAIN_ROWS, None)
     return Dataset(leg, train.resampled(), test.resampled(), CITATION)
-
-
-def recording_path() -> Path:
-    """Find or download the file, and check its hash."""
-    return find_or_download(URL, SHA256, f"dfki_double_pendulum/{FILE}")

@@ -3,31 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal
 
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.signals.column import Column
 from exoid.signals.recording import Recording
 
-from .dataset import Dataset, find_or_download
+from .dataset import Dataset, PublishedFile
 
 COMMIT = "92546f615946c6bb43e1ebb6e23d4bf7856199aa"
 URL = (
     f"https://raw.githubusercontent.com/imanchester/SydneyCompassGait/{COMMIT}"
     "/System%20Identification/SysID_Experiment%201"
 )
-FOLDER = "sydney_swing_leg"
-
 Which = Literal["inner", "outer"]
 
-FILES = {
-    "inner": "realVSmodel_fwAnd5vstepsx3AndChirp_innerSW.mat",
-    "outer": "realVSmodel_fwAnd5vstepsx3AndChirp_outerSW.mat",
-}
-SHA256 = {
-    "inner": "b61050145e156ab057f78682359da5a20c870a3ed4a0195eb31b630762c289b3",
-    "outer": "fe2e283e33254738f385b7d35ce68693b2d80b05075be3a0aa8162343b9b9329",
+LOGS = {
+    which: PublishedFile(f"{URL}/{name}", sha256, f"sydney_swing_leg/{name}")
+    for which, name, sha256 in (
+        (
+            "inner",
+            "realVSmodel_fwAnd5vstepsx3AndChirp_innerSW.mat",
+            "b61050145e156ab057f78682359da5a20c870a3ed4a0195eb31b630762c289b3",
+        ),
+        (
+            "outer",
+            "realVSmodel_fwAnd5vstepsx3AndChirp_outerSW.mat",
+            "fe2e283e33254738f385b7d35ce68693b2d80b05075be3a0aa8162343b9b9329",
+        ),
+    )
 }
 
 TORQUE_CONSTANT = 18.3e-3
@@ -63,14 +68,9 @@ def sydney_swing_leg(which: Which = "inner") -> Dataset:
         ExoidError: There is no such leg, or the file is missing and cannot be downloaded, or differs from the
             published one.
     """
-    if which not in get_args(Which):
+    if which not in LOGS:
         raise BadArgumentError(f"no swing leg {which!r}", remedy='pass "inner" or "outer"')
     leg = Leg.from_urdf(Path(__file__).resolve().parent / "sydney_swing_leg.urdf", ("leg",))
-    whole = Recording.from_file(recording_path(which), leg.joint_names, COLUMNS)
+    whole = Recording.from_file(LOGS[which].path(), leg.joint_names, COLUMNS)
     rows = 2 * len(whole) // 3
     return Dataset(leg, whole.slice(None, rows), whole.slice(rows, None), CITATION)
-
-
-def recording_path(which: Which) -> Path:
-    """Find or download the file, and check its hash."""
-    return find_or_download(f"{URL}/{FILES[which]}", SHA256[which], f"{FOLDER}/{FILES[which]}")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +13,7 @@ from exoid.signals.recording import Recording
 from exoid.signals.source import Source
 from exoid.signals.wrench import Wrench
 
-from .dataset import Dataset, find_or_download
+from .dataset import Dataset, PublishedFile
 
 LOG_COMMIT = "7f1b68f2bc79520c99435c5008fc80f56cd06237"
 LOG_URL = f"https://raw.githubusercontent.com/machines-in-motion/mim_estimation/{LOG_COMMIT}/demos/2019-07-04_16-25-06"
@@ -42,21 +40,13 @@ CITATION = (
 )
 
 
-class PublishedFile(NamedTuple):
-    """File of the dataset: address, SHA-256 and name."""
-
-    folder: str
-    sha256: str
-    name: str
-
-    def path(self) -> Path:
-        """Find or download the file, and check its hash."""
-        return find_or_download(f"{self.folder}/{self.name}", self.sha256, f"{FOLDER}/{self.name}")
-
-
-URDF = PublishedFile(URDF_URL, "c8582d9527868914984f8b33f833fc1443ed62c010c8556bc0c1064eeabc5779", "teststand.urdf")
+URDF = PublishedFile(
+    f"{URDF_URL}/teststand.urdf",
+    "c8582d9527868914984f8b33f833fc1443ed62c010c8556bc0c1064eeabc5779",
+    f"{FOLDER}/teststand.urdf",
+)
 LOGS = tuple(
-    PublishedFile(LOG_URL, sha256, f"{LOG_NAME}-{what}.dat")
+    PublishedFile(f"{LOG_URL}/{LOG_NAME}-{what}.dat", sha256, f"{FOLDER}/{LOG_NAME}-{what}.dat")
     for what, sha256 in (
         ("joint_positions", "3f0bb177ada0aeaa0e95fa958e47b5966c8274d5a916c8426bcc91489df9e8a2"),
         ("joint_torques", "9a9cb2395b1bb4d7cbafb20f3527b2d9d13b68ea07e1596697adfb12982fdbd1"),
@@ -98,7 +88,7 @@ def teststand_leg() -> ForceDataset:
     """
     leg = Leg.from_urdf(URDF.path(), JOINTS)
     q, tau, force = aligned(*(np.loadtxt(log.path()) for log in LOGS))
-    listed = "".join(f"{log.sha256}  {log.name}\n" for log in sorted(LOGS, key=lambda log: log.name))
+    listed = "".join(f"{log.sha256}  {log.path().name}\n" for log in sorted(LOGS, key=lambda log: log.file))
     source = Source(LOG_NAME, hashlib.sha256(listed.encode()).hexdigest())
     time = np.arange(len(q)) / RATE
     cos, sin = np.cos(q.sum(axis=1)), np.sin(q.sum(axis=1))  # both joints turn about y

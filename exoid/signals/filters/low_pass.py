@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -16,18 +15,21 @@ from exoid.errors import BadArgumentError, UnreadableInputError
 TOLERANCE = 1e-3
 """Relative error of an acceleration that the end of the record may cause; see `edge_length`."""
 
-REFLECTION: dict[str, Any] = {"mode": "reflect", "reflect_type": "odd"}
-"""Arguments of `numpy.pad` that reflect a signal about its end points."""
+ORDER = 4
+"""Order of one pass of the filters of motions and torques."""
+
+Extension = Callable[[FloatArray], FloatArray]
+"""Continuation of signals (K, N) beyond both ends."""
 
 
-def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> FloatArray:
+def zero_phase(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
     """Low-pass columns forwards and backwards, without delay and with a gain of 1/√2 at ``cutoff``.
 
-    A Butterworth filter of order ``order`` runs over the data twice, so the whole has order 2·``order`` and
-    the gain |H|² = 1 / (1 + (Ω/Ω_d)^(2·order)), Ω = tan(π f / rate). For |H|² = 1/√2 at ``cutoff`` each
-    pass is designed for the higher frequency f_d:
+    A Butterworth filter of order 4 runs over the data twice, so the whole has order 8 and the gain
+    |H|² = 1 / (1 + (Ω/Ω_d)^8), Ω = tan(π f / rate). For |H|² = 1/√2 at ``cutoff`` each pass is designed for the higher
+    frequency f_d:
 
-        tan(π f_d / rate) = tan(π cutoff / rate) / (√2 − 1)^(1 / (2·order)).
+        tan(π f_d / rate) = tan(π cutoff / rate) / (√2 − 1)^(1/8).
 
     The record is extended beyond its ends by point reflection over `edge_length` samples. The filter is linear: an
     equation still holds after both of its sides are filtered.
@@ -36,7 +38,6 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         x: Signals in any unit, (N, ...); filtered along the first axis.
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency of the two passes together [Hz], below ``rate`` / 2.
-        order: Order of one pass.
 
     Returns:
         Filtered signals, of the shape of ``x``.
@@ -45,15 +46,20 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float, order: int = 4) -> Flo
         ExoidError: The cut-off is not between 0 and half the rate, or the record is not longer than
             `edge_length` samples.
     """
-    pad = edge_length(rate, cutoff, order)
+    pad = edge_length(rate, cutoff)
     refuse_short(x, rate, cutoff, pad)
-    return both_passes(x, rate, cutoff, order, pad, partial(np.pad, pad_width=((0, 0), (pad, pad)), **REFLECTION))
+    return both_passes(x, pass_sections(rate, cutoff), pad, _reflected(pad))
 
 
 def slow_part(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
     """Low-pass of order 2 for checks, also of records that are shorter than what their ends distort."""
     pad = min(edge_length(rate, cutoff, 2), len(x) - 1)
-    return both_passes(x, rate, cutoff, 2, pad, partial(np.pad, pad_width=((0, 0), (pad, pad)), **REFLECTION))
+    return both_passes(x, pass_sections(rate, cutoff, 2), pad, _reflected(pad))
+
+
+def _reflected(pad: int) -> Extension:
+    """Continuation by point reflection about the end points."""
+    return partial(np.pad, pad_width=((0, 0), (pad, pad)), mode="reflect", reflect_type="odd")
 
 
 def refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
@@ -66,11 +72,9 @@ def refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
         )
 
 
-def both_passes(
-    x: FloatArray, rate: float, cutoff: float, order: int, pad: int, extend: Callable[[FloatArray], FloatArray]
-) -> FloatArray:
+def both_passes(x: FloatArray, sections: FloatArray, pad: int, extend: Extension) -> FloatArray:
     """Filter forwards and backwards, with signals (K, N) continued by ``pad`` samples beyond both ends."""
-    sections = _sections(rate, cutoff, order).copy()  # SciPy wants to be able to write into it
+    sections = sections.copy()  # SciPy wants to be able to write into it
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
     width = max(1, 2**19 // (8 * len(x)))  # signals of half a MB at once, which keeps temporaries small
@@ -82,14 +86,14 @@ def both_passes(
 
 
 @lru_cache(maxsize=16)
-def _sections(rate: float, cutoff: float, order: int) -> FloatArray:
+def pass_sections(rate: float, cutoff: float, order: int = ORDER) -> FloatArray:
     """Second-order sections of one pass."""
     sections = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="sos")
     sections.flags.writeable = False
     return np.asarray(sections)
 
 
-def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = TOLERANCE) -> int:
+def edge_length(rate: float, cutoff: float, order: int = ORDER, tolerance: float = TOLERANCE) -> int:
     """Count the samples at each end of a record that `zero_phase` distorts."""
     # The point reflection beyond the end has the right value and slope, but curvature −ẍ instead of +ẍ. At m samples
     # from the end the relative error of the acceleration is 2·|Σ_{k>m} h_k|, with h the impulse response of both
@@ -105,7 +109,7 @@ def edge_length(rate: float, cutoff: float, order: int = 4, tolerance: float = T
 
 
 @lru_cache(maxsize=16)
-def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[ComplexArray, ComplexArray, float]:
+def zero_phase_modes(rate: float, cutoff: float, order: int = ORDER) -> tuple[ComplexArray, ComplexArray, float]:
     """Decompose the impulse response of `zero_phase` into decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0."""
     # Modes are the poles of one pass. Of two that are conjugates of each other, one is left, with twice the weight.
     zeros, poles, gain = scipy.signal.butter(order, design_frequency(rate, cutoff, order), fs=rate, output="zpk")
@@ -121,19 +125,17 @@ def zero_phase_modes(rate: float, cutoff: float, order: int = 4) -> tuple[Comple
 
 
 @lru_cache(maxsize=16)
-def noise_bandwidth(rate: float, cutoff: float, order: int = 4) -> float:
+def noise_bandwidth(rate: float, cutoff: float) -> float:
     """Compute the fraction of white-noise power that `zero_phase` passes, 2/rate · ∫ |H|⁴ df up to rate/2."""
     midpoints = (np.arange(20_000, dtype=np.float64) + 0.5) * (0.5 * rate / 20_000)
-    ratio = np.tan(math.pi * midpoints / rate) / math.tan(math.pi * design_frequency(rate, cutoff, order) / rate)
+    ratio = np.tan(math.pi * midpoints / rate) / math.tan(math.pi * design_frequency(rate, cutoff) / rate)
     with np.errstate(over="ignore"):  # the gain at half the rate is 0
-        gain = 1.0 / (1.0 + ratio ** (2 * order))  # |H|²
+        gain = 1.0 / (1.0 + ratio ** (2 * ORDER))  # |H|²
     return float(np.mean(gain**2))
 
 
-def design_frequency(rate: float, cutoff: float, order: int) -> float:
+def design_frequency(rate: float, cutoff: float, order: int = ORDER) -> float:
     """Compute the cut-off f_d of one pass for which both passes together have −3 dB at ``cutoff``."""
-    if order < 1 or order != int(order):
-        raise BadArgumentError(f"filter order is {order}", remedy="pass a whole number from 1; 4 is usual")
     if not 0.0 < cutoff < rate / 2.0:
         raise BadArgumentError(
             f"a cut-off of {cutoff:.4g} Hz is not below half the sampling rate of {rate:.4g} Hz",

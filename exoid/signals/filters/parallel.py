@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import ComplexArray, FloatArray
 
-from .low_pass import REFLECTION, edge_length, noise_bandwidth, zero_phase_modes
+from .low_pass import edge_length, noise_bandwidth, zero_phase_modes
 
 
 @dataclass(frozen=True)
@@ -26,47 +26,26 @@ class ParallelFilter:
     Attributes:
         rate: Sampling rate [Hz].
         cutoff: −3 dB frequency [Hz].
-        order: Order of one of the two passes.
     """
 
     rate: float
     cutoff: float
-    order: int
 
     @cached_property
     def reach(self) -> int:
         """Number of samples to each side that affect a filtered sample, beyond rounding."""
-        return edge_length(self.rate, self.cutoff, self.order, 1e-15)  # below the rounding error of the filter
+        return edge_length(self.rate, self.cutoff, tolerance=1e-15)  # below the rounding error of the filter
 
     @cached_property
     def independent_fraction(self) -> float:
         """Fraction of the filtered samples that carries independent noise."""
-        return noise_bandwidth(self.rate, self.cutoff, self.order)
+        return noise_bandwidth(self.rate, self.cutoff)
 
     @property
     def stride(self) -> int:
         """Decimation factor that loses no information."""
         # Four rows a row of independent noise: products of two filtered signals do not alias onto frequency zero
         return max(1, int(1.0 / (4.0 * self.independent_fraction)))
-
-    def __call__(self, signals: FloatArray, rows: range) -> FloatArray:
-        """Filter signals and decimate them to the requested rows.
-
-        The signals are extended beyond their ends by point reflection.
-
-        Args:
-            signals: Signals in any unit, (K, N).
-            rows: Requested samples, evenly spaced, R of them.
-
-        Returns:
-            Filtered signals at these samples, (K, R).
-        """
-        first, last = rows[0] - self.reach, rows[-1] + 1 + self.reach
-        beyond = max(0, -first), max(0, last - signals.shape[1])
-        window = signals[:, max(0, first) : last]
-        if any(beyond):
-            window = np.pad(window, ((0, 0), beyond), **REFLECTION)
-        return self.among_zeros(window, range(self.reach, self.reach + len(rows) * rows.step, rows.step))
 
     def among_zeros(
         self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None
@@ -139,7 +118,7 @@ def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
 @lru_cache(maxsize=16)
 def _blocks(filter_: ParallelFilter, step: int) -> _Blocks:
     """Matrices of a filter for every ``step``-th row."""
-    poles, weights, middle = zero_phase_modes(filter_.rate, filter_.cutoff, filter_.order)
+    poles, weights, middle = zero_phase_modes(filter_.rate, filter_.cutoff)
     rows = step * np.arange(max(1, round(128 / step)))
     size = len(rows) * step
     k = np.arange(size)

@@ -180,7 +180,7 @@ def _impulse_response(parallel: ParallelFilter) -> FloatArray:
     reach = parallel.reach
     impulse = np.zeros((1, 2 * reach + 1))
     impulse[0, reach] = 1.0
-    response = parallel(impulse, range(2 * reach + 1))[0]
+    response = parallel.among_zeros(impulse, range(2 * reach + 1))[0]
     lasting = np.flatnonzero(np.abs(response) > 1e-4 * response.max())
     half = int(np.abs(lasting - reach).max())
     return np.asarray(response[reach - half : reach + half + 1])

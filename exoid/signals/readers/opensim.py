@@ -9,7 +9,7 @@ from exoid.errors import UnreadableInputError
 
 from .options import ReadRequest
 from .table import Table, refuse_columns
-from .text import TextCells, read_text, refuse_repeated, split_lines
+from .text import read_text, refuse_repeated, split_lines, text_table
 
 ROWS, COLUMNS = ("nrows", "datarows"), ("ncolumns", "datacolumns")
 """Entries of the header that state the size, of OpenSim and of SIMM."""
@@ -45,7 +45,7 @@ def read_opensim_table(file: str, request: ReadRequest) -> Table:
     _refuse_other_size(entries, COLUMNS, len(header), "columns follow")
     _refuse_other_size(entries, ROWS, len(rows), "rows follow")
     cells = [(number, "\t".join(line.split())) for number, line in rows]
-    return TextCells.of(header, cells, "\t").table(file, source, in_degrees=degrees)
+    return text_table(file, source, header, cells, "\t", in_degrees=degrees)
 
 
 def _cells(line: str) -> list[str]:

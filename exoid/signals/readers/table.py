@@ -19,9 +19,6 @@ from exoid.tools.file_bounds import refuse_expansion
 MOST_COLUMNS = 10_000
 """Largest number of columns of a log; humanoids have some hundreds."""
 
-MOST_BLANK_LINES = 1_000_000
-"""Largest number of blank lines and comments beyond one for each line with data."""
-
 
 def refuse_columns(count: int) -> None:
     """Refuse a file with more columns than any log has."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,16 +20,13 @@ from exoid.errors import UnreadableInputError
 from exoid.signals.source import Source
 
 from .options import ReadRequest
-from .table import MOST_BLANK_LINES, Table, refuse_columns
+from .table import Table, refuse_columns
 
 # Beginnings of lines above the data that are read
 PAYLOAD = "# payload:"  # a payload, such as `# payload: knee:3.0@0,0,-0.3`
 BASE_POSITION = "# base position:"  # position of the sensor on the base [m], `# base position: 0.1,0,0.2`
 WRENCH = "# wrench:"  # axes of a wrench and its point [m], `# wrench: left_foot:link@0,0,-0.08`
 SAID = (PAYLOAD, BASE_POSITION, WRENCH)
-
-BLOCK = 2**20
-"""Least number of characters that are split into lines at once."""
 
 
 @dataclass(frozen=True)
@@ -39,16 +37,6 @@ class TextCells:
     rows: Sequence[str]  # data lines, N of them
     lines: NDArray[np.int64]  # line number of each data line, from 1, (N,)
     delimiter: str
-
-    @classmethod
-    def of(cls, header: Sequence[str], numbered: Sequence[tuple[int, str]], delimiter: str) -> TextCells:
-        """Take data lines with their line numbers."""
-        lines = np.array([number for number, _ in numbered], dtype=np.int64)
-        return cls(tuple(header), [line for _, line in numbered], lines, delimiter)
-
-    def table(self, file: str, source: Source, **said: Any) -> Table:  # noqa: ANN401 - what the file says above the data
-        """Make a table that parses its columns when they are asked for."""
-        return Table(file, source, self.header, self.numbers, len(self.rows), self.lines, "line", **said)
 
     def numbers(self, columns: Sequence[str]) -> FloatArray:
         """Parse columns; other columns may hold text. A column without any entry is NaN throughout."""
@@ -108,6 +96,20 @@ class TextCells:
         return filled
 
 
+def text_table(
+    file: str,
+    source: Source,
+    header: Sequence[str],
+    numbered: Sequence[tuple[int, str]],
+    delimiter: str,
+    **said: Any,  # noqa: ANN401 - what the file says above the data
+) -> Table:
+    """Make a table of data lines with their line numbers, which parses its columns when they are asked for."""
+    lines = np.array([number for number, _ in numbered], dtype=np.int64)
+    cells = TextCells(tuple(header), [line for _, line in numbered], lines, delimiter)
+    return Table(file, source, cells.header, cells.numbers, len(numbered), lines, "line", **said)
+
+
 def read_text_table(file: str, _: ReadRequest) -> Table:
     """Read a UTF-8 text file with a header line, delimited by comma, semicolon or tab; numbers alone also by spaces."""
     # Blank lines and lines that start with `#` are skipped. A byte-order mark and any line ending are accepted. If the
@@ -143,7 +145,7 @@ def read_text_table(file: str, _: ReadRequest) -> Table:
         said = {
             word: tuple(line.removeprefix(word).strip() for line in above if line.startswith(word)) for word in SAID
         }
-    return TextCells.of(header, rows, delimiter).table(file, source, said=said)
+    return text_table(file, source, header, rows, delimiter, said=said)
 
 
 def refuse_repeated(header: Sequence[str]) -> None:
@@ -169,32 +171,13 @@ def split_lines(text: str) -> tuple[list[tuple[int, str]], list[str]]:
     """Split text into numbered lines with data, and the comments before the first of them."""
     content: list[tuple[int, str]] = []
     comments: list[str] = []
-    number = 0
-    for start, stop in _blocks(text):
-        for line in text[start:stop].removesuffix("\n").split("\n"):
-            number += 1
-            plain = line.strip()
-            if not plain:
-                continue
-            if not plain.startswith("#"):
-                content.append((number, line))
-            elif not content and not plain.startswith(SAID):
-                comments = [line]
-        if number - len(content) > MOST_BLANK_LINES + len(content):
-            raise UnreadableInputError(
-                f"{number - len(content)} blank lines and comments among the first {number} lines",
-                remedy="check that the logger wrote the file; remove these lines",
-            )
+    for number, line in enumerate(io.StringIO(text), 1):  # one at a time: a file of blank lines fills no memory
+        plain = line.strip()
+        if plain and not plain.startswith("#"):
+            content.append((number, line.removesuffix("\n")))
+        elif plain and not content and not plain.startswith(SAID):
+            comments = [line.removesuffix("\n")]
     return content, comments
-
-
-def _blocks(text: str) -> Iterator[tuple[int, int]]:
-    """Places of blocks of whole lines: a file of blank lines is not split into a list of all of them."""
-    start = 0
-    while start < len(text):
-        stop = text.find("\n", start + BLOCK) + 1 or len(text)
-        yield start, stop
-        start = stop
 
 
 def _read_bytes(path: Path) -> bytes:
@@ -206,7 +189,7 @@ def _read_bytes(path: Path) -> bytes:
             raise UnreadableInputError("is not a regular file", remedy="copy the log into a file first")
         blocks: list[bytes] = []
         with path.open("rb") as opened:
-            while block := opened.read(BLOCK):
+            while block := opened.read(2**20):
                 if b"\0" in block:  # before a sparse file of many gigabytes fills the memory
                     raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
                 blocks.append(block)

@@ -13,6 +13,7 @@ from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions
 from exoid.regression.rows import source_of
 from exoid.signals import Recording
+from exoid.signals.preparation import preparation_to_json
 from exoid.tools.tables import DataTable
 from exoid.view.scenes import scene
 
@@ -123,10 +124,10 @@ def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
 def _settings(estimate: Estimate) -> Text:
     """Settings of the identification, and the prior knowledge that entered it."""
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
-    described = estimate.preparation.describe()
-    name = str(described.pop("name"))
-    rounded = {key: f"{x:.4g}" + " Hz" * key.endswith("cutoff") for key, x in described.items() if isinstance(x, float)}
-    values = (f"{key.replace('_', ' ')} {value}" for key, value in {**described, **rounded}.items())
+    settings = preparation_to_json(estimate.preparation)
+    name = settings.pop("name")
+    numbers = {key: x for key, x in settings.items() if x is not None}
+    values = (f"{key.replace('_', ' ')} {x:.4g}" + " Hz" * key.endswith("cutoff") for key, x in numbers.items())
     return Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",

@@ -73,7 +73,7 @@ def test_the_parts_are_the_published_split(data):
     assert data.train.is_uniform
     assert data.test.is_uniform
     assert data.train.v is None
-    assert data.train.source.sha256 == dfki.SHA256
+    assert data.train.source.sha256 == dfki.LOG.sha256
     assert "BSD-3-Clause" in data.citation
 
 
@@ -153,7 +153,7 @@ def with_velocity(data):
     """The same two parts with the velocities of the file."""
     joints = data.leg.joint_names
     columns = {**dfki.COLUMNS, **{f"v_{joint}": f"vel{i}" for i, joint in enumerate(joints, start=1)}}
-    whole = exoid.Recording.from_csv(dfki.recording_path(), joints, columns, resample=False)
+    whole = exoid.Recording.from_csv(dfki.LOG.path(), joints, columns, resample=False)
     return whole.slice(None, dfki.TRAIN_ROWS).resampled(), whole.slice(dfki.TRAIN_ROWS, None).resampled()
 
 
@@ -191,7 +191,7 @@ def test_the_kept_file_is_used_without_a_network(data, tmp_path, monkeypatch):
     """From $EXOID_DATA_DIR, and nothing is fetched."""
     kept = tmp_path / "dfki_double_pendulum"
     kept.mkdir()
-    shutil.copy(dfki.recording_path(), kept / dfki.FILE)
+    shutil.copy(dfki.LOG.path(), kept / Path(dfki.LOG.file).name)
     monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
     monkeypatch.setattr(pooch, "retrieve", lambda *_, **__: pytest.fail("fetched"))
     assert len(exoid.datasets.dfki_double_pendulum().train) == len(data.train)

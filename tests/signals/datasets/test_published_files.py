@@ -9,33 +9,18 @@ from exoid import ExoidError, datasets
 from exoid.signals.datasets import dfki, sydney, teststand
 
 FILES = {
-    "dfki": (datasets.dfki_double_pendulum, f"dfki_double_pendulum/{dfki.FILE}", dfki.SHA256, dfki.COMMIT),
-    "inner": (
-        lambda: datasets.sydney_swing_leg("inner"),
-        f"sydney_swing_leg/{sydney.FILES['inner']}",
-        sydney.SHA256["inner"],
-        sydney.COMMIT,
-    ),
-    "outer": (
-        lambda: datasets.sydney_swing_leg("outer"),
-        f"sydney_swing_leg/{sydney.FILES['outer']}",
-        sydney.SHA256["outer"],
-        sydney.COMMIT,
-    ),
-    "teststand": (
-        datasets.teststand_leg,
-        f"teststand_leg/{teststand.URDF.name}",
-        teststand.URDF.sha256,
-        teststand.URDF_COMMIT,
-    ),
+    "dfki": (datasets.dfki_double_pendulum, dfki.LOG, dfki.COMMIT),
+    "inner": (lambda: datasets.sydney_swing_leg("inner"), sydney.LOGS["inner"], sydney.COMMIT),
+    "outer": (lambda: datasets.sydney_swing_leg("outer"), sydney.LOGS["outer"], sydney.COMMIT),
+    "teststand": (datasets.teststand_leg, teststand.URDF, teststand.URDF_COMMIT),
 }
-"""What loads the data, the file below $EXOID_DATA_DIR, its hash, and the commit that it is fetched at."""
+"""What loads the data, the published file, and the commit that it is fetched at."""
 
 
-@pytest.mark.parametrize(("load", "file", "sha256", "commit"), FILES.values(), ids=FILES)
+@pytest.mark.parametrize(("load", "published", "commit"), FILES.values(), ids=FILES)
 @pytest.mark.parametrize("folder", ["", "empty"])
 def test_without_a_network_the_error_says_what_to_fetch_and_where_to_put_it(
-    load, file, sha256, commit, folder, tmp_path, monkeypatch
+    load, published, commit, folder, tmp_path, monkeypatch
 ):
     asked = []
 
@@ -48,17 +33,17 @@ def test_without_a_network_the_error_says_what_to_fetch_and_where_to_put_it(
     with pytest.raises(ExoidError, match=r"cannot be downloaded \(Name or service not known second line\)") as error:
         load()
     ((url, sha),) = asked
-    assert sha == f"sha256:{sha256}"
+    assert sha == f"sha256:{published.sha256}"
     assert commit in url
     assert " " not in url
     assert error.value.where == url
-    assert error.value.remedy == f"download it to $EXOID_DATA_DIR/{file}"
+    assert error.value.remedy == f"download it to $EXOID_DATA_DIR/{published.file}"
 
 
-@pytest.mark.parametrize(("load", "file", "sha256", "commit"), FILES.values(), ids=FILES)
-def test_a_file_that_is_not_the_published_one_is_refused(load, file, sha256, commit, tmp_path, monkeypatch):
-    (tmp_path / file).parent.mkdir()
-    (tmp_path / file).write_text("<robot/>", encoding="utf-8")
+@pytest.mark.parametrize(("load", "published", "commit"), FILES.values(), ids=FILES)
+def test_a_file_that_is_not_the_published_one_is_refused(load, published, commit, tmp_path, monkeypatch):
+    (tmp_path / published.file).parent.mkdir()
+    (tmp_path / published.file).write_text("<robot/>", encoding="utf-8")
     monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
     with pytest.raises(ExoidError, match=r"not the published file: its hash differs.*delete it, or unset"):
         load()
