@@ -341,7 +341,7 @@ class Recording(RecordingData):
         Raises:
             ExoidError: The file cannot be read, or its data fail a check. The error names file, line and column.
         """
-        return cls._read(path, joint_names, columns, options, "csv")
+        return cls.from_file(path, joint_names, columns, **options)
 
     @classmethod
     def from_file(
@@ -379,22 +379,11 @@ class Recording(RecordingData):
         Example:
             >>> Recording.from_file("walk.mcap", columns={"q_hip": "q_left_hip_joint"})  # doctest: +SKIP
         """
-        return cls._read(path, joint_names, columns, options)
-
-    @classmethod
-    def _read(
-        cls,
-        path: str | os.PathLike[str],
-        joint_names: Sequence[str] | None,
-        columns: Mapping[str, str | Column] | None,
-        options: ReadOptions,
-        kind: str | None = None,
-    ) -> Recording:
         mapped = {name: Column(one) if isinstance(one, str) else one for name, one in (columns or {}).items()}
         headers = {name: column.header for name, column in mapped.items()}
         with in_file(os.fsdecode(path)):
             refuse_unknown_options(options)
-            table = open_table(path, {**options, "joint_names": joint_names, "columns": headers}, kind)
+            table = open_table(path, {**options, "joint_names": joint_names, "columns": headers})
             if options.get("beside"):
                 table = join(table, options["beside"], mapped.get("time", Column("time")))
             recording = cls(**read_log(table, joint_names, mapped, options))

@@ -113,14 +113,3 @@ def test_the_command_line_knows_both_legs(tmp_path, walk):
     done = CliRunner().invoke(app, [*arguments, "--side", "both"])
     assert done.exit_code == 0, done.output
     assert "J3_right" in exoid.Estimate.load(tmp_path / "est.json").names
-
-
-def test_options_of_a_floating_base_that_have_no_effect_are_refused(tmp_path):
-    log = tmp_path / "log.csv"
-    Walk(Leg.from_urdf(urdf_of("ur5"), base="moving"), seconds=5.0).recording().to_csv(log)
-    for leg, options, said in (
-        (urdf_of("ur5"), ["--moving-base", "--floating-base"], "--floating-base has no effect"),
-        ("bleex_swing", ["--floating-base"], "--floating-base has no effect"),
-    ):
-        done = CliRunner().invoke(app, ["check", str(leg), str(log), *options])
-        assert said in str(done.exception)

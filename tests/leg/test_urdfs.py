@@ -185,31 +185,6 @@ def test_the_foot_is_drawn_flat_and_forward_below_the_ankle(name, link, ankle, s
 
 
 @pytest.mark.parametrize("name", URDFS)
-def test_three_libraries_read_the_same_inertias(name):
-    path = ROOT / "urdf" / name
-    pinocchio_model = model_of(name)
-    mujoco_model = mujoco.MjModel.from_xml_path(str(path))
-    robot = yourdfpy.URDF.load(str(path), load_meshes=False)
-    children = {joint.child: joint.name for joint in robot.robot.joints}
-    assert mujoco_model.nbody - 1 == pinocchio_model.njoints - 1 == len(children)
-    for link, joint in children.items():
-        body = mujoco_model.body(link)
-        axes = np.empty(9)
-        mujoco.mju_quat2Mat(axes, body.iquat)
-        axes = axes.reshape(3, 3)
-        inertial = robot.link_map[link].inertial
-        readings = [
-            (body.mass[0], body.ipos, axes @ np.diag(body.inertia) @ axes.T),
-            (inertial.mass, inertial.origin[:3, 3], inertial.inertia),
-        ]
-        truth = pinocchio_model.inertias[pinocchio_model.getJointId(joint)]
-        for mass, com, tensor in readings:
-            assert mass == truth.mass
-            np.testing.assert_allclose(com, truth.lever, rtol=0, atol=1e-15)
-            np.testing.assert_allclose(tensor, truth.inertia, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", URDFS)
 def test_no_library_complains(name, capfd, caplog):
     path = str(ROOT / "urdf" / name)
     complaints = []

@@ -32,10 +32,8 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.leg.leg import Leg
-from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
 from exoid.tools.numbers import checked
 from exoid.tools.read_only import ReadOnly
-from exoid.tools.tables import make_table, to_text
 
 from .nearest_bodies import Problem, approach, reproduce
 from .pseudo_inertia import make_consistent
@@ -58,24 +56,22 @@ FLOOR = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Lift(ReadOnly):
-    """Physically consistent links, and the base parameters that they reproduce; ``print`` shows them.
+    """Physically consistent links, and the base parameters that they reproduce.
 
     Attributes:
         names: Names of the base parameters, (p,).
-        target: Requested values, (p,).
-        values: Values of the links, (p,); equal to the target if it is feasible.
+        values: Values of the links, (p,); those that were requested if they are feasible.
         links: Names of the moving links, (k,), behind the root link if the base floats.
         link_parameters: π of each link with the links fixed to it, about its joint frame, (k, 10), in the order of
-            :data:`exoid.leg.reduction.LINK_PARAMETERS`.
-        feasible: Whether consistent links have the target's values.
-        distance: Distance χ of ``values`` from the target in standard deviations of the estimate; 0 if feasible.
+            Pinocchio: m, mc, I.
+        feasible: Whether consistent links have the requested values.
+        distance: Distance χ of ``values`` from these in standard deviations of the estimate; 0 if feasible.
             Without a covariance its unit is a change of the links' inertias by 100 %.
-        divergence: Entropic divergence from the leg's own links; 0 if these have the target's values.
+        divergence: Entropic divergence from the leg's own links; 0 if these have the requested values.
         mass_limits: Largest mass that each link was allowed [kg], (k,); infinite with a pull, which keeps them near.
     """
 
     names: tuple[str, ...]
-    target: FloatArray
     values: FloatArray
     links: tuple[str, ...]
     link_parameters: FloatArray
@@ -84,32 +80,9 @@ class Lift(ReadOnly):
     divergence: float
     mass_limits: FloatArray
 
-    @property
-    def moved(self) -> dict[str, float]:
-        """Change of each parameter that made it consistent; empty if feasible."""
-        if self.feasible:
-            return {}
-        return dict(zip(self.names, (self.values - self.target).tolist(), strict=True))
-
     def __repr__(self) -> str:
         """Write one line."""
         return f"Lift(feasible={self.feasible}, distance={self.distance:.3g}, divergence={self.divergence:.3g})"
-
-    def __str__(self) -> str:
-        """Print the links, and the parameters that changed."""
-        rows = [
-            (f"{name} [{unit}]", *(f"{value:.5g}" for value in column))
-            for name, unit, column in zip(LINK_PARAMETERS, LINK_UNITS, self.link_parameters.T, strict=True)
-        ]
-        parts = [make_table(("about the joint", *self.links), rows)]
-        if self.feasible:
-            return to_text("physically consistent links, with exactly the requested parameters", *parts)
-        moved = [
-            (name, f"{old:.5g}", f"{new:.5g}", f"{new - old:+.2g}")
-            for name, old, new in zip(self.names, self.target, self.values, strict=True)
-        ]
-        title = f"no physically consistent links have these parameters; the nearest are {self.distance:.3g} away"
-        return to_text(title, *parts, make_table(("parameter", "requested", "consistent", "change"), moved))
 
 
 @contextmanager
@@ -189,7 +162,6 @@ def lift(
         raise np.linalg.LinAlgError("the numbers overflow")
     return Lift(
         names=leg.parameter_names,
-        target=target,
         values=leg.reduction.parameters(links),
         links=leg.bodies,
         link_parameters=links.reshape(-1, 10),

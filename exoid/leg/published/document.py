@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Any
 
 from exoid.errors import BadArgumentError
-from exoid.tools.tables import DataTable, to_text
 from exoid.tools.toml import parse_toml
 
 
@@ -51,11 +50,6 @@ class PublishedTable:
     number: str
     caption: str
     values: Mapping[str, Quantity]
-
-    def __str__(self) -> str:
-        """Print as a table, one line a number with its printed digits."""
-        rows = [(name, quantity.printed, quantity.unit) for name, quantity in self.values.items()]
-        return to_text(DataTable(f"Table {self.number}: {self.caption}", ("name", "value", "unit"), rows))
 
     @property
     def columns(self) -> tuple[str, ...]:

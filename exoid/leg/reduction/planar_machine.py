@@ -107,7 +107,8 @@ class PlanarMachine:
     ) -> None:
         """Write the documented regressor for (X1, Y1, J1, X2, …) of each limb, behind (M, X0, Y0, J0) if it floats."""
         first, b = len(TORSO_PARAMETERS) * self.floating, self.base_rows
-        torso = _still(len(q)) if torso is None and self.floating else torso
+        if torso is None and self.floating:
+            torso = TorsoSamples(*np.zeros((5, len(q))))
         for limb in self.limbs:
             moved = None if torso is None else _at_hip(torso, limb.hip)
             own = limb.joints
@@ -133,10 +134,6 @@ def _labels(names: list[list[str]]) -> list[str]:
     sides = [[side for side in SIDES if all(name.startswith(side) for name in limb)] for limb in names]
     labels = [side[0].removesuffix("_") if side else limb[0] for side, limb in zip(sides, names, strict=True)]
     return labels if len(set(labels)) == len(labels) else [limb[0] for limb in names]
-
-
-def _still(count: int) -> TorsoSamples:
-    return TorsoSamples(*np.zeros((5, count)))
 
 
 def _at_hip(torso: TorsoSamples, hip: FloatArray) -> TorsoSamples:

@@ -53,10 +53,10 @@ REFUSED = {
 """What files of other kinds hold, and what to do, by their ending."""
 
 
-def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None, kind: str | None = None) -> Table:
+def open_table(path: str | os.PathLike[str], request: ReadRequest | None = None) -> Table:
     """Open a log of any kind that exoid reads."""
     request, file = request or {}, os.fsdecode(path)
-    kind, stamps = kind or kind_of(Path(file)), request.get("stamps", "header")
+    kind, stamps = kind_of(Path(file)), request.get("stamps", "header")
     if kind not in BAGS and (request.get("topic") is not None or stamps != "header"):
         what, command = "topic and stamps apply to bags only", "leave out --topic and --received"
         raise BadArgumentError(what, remedy="leave them out", command=command)

@@ -10,7 +10,6 @@ from planar_chains import assert_relative, random_motion
 from public_robots import urdf_of
 
 from exoid import Leg
-from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction import tree_regressor as batched
 from exoid.leg.reduction.tree import Tree
@@ -90,19 +89,6 @@ def test_any_columns_are_those_of_the_whole_regressor():
         )
 
 
-@pytest.mark.parametrize("robot", ["panda", "ur5", "tiago_no_hand"])
-def test_the_regressor_of_a_public_robot_is_pinocchios(robot):
-    names = [
-        name for name in Leg.from_urdf(urdf_of(robot)).joint_names if "gripper" not in name and "finger" not in name
-    ]
-    leg = Leg.from_urdf(urdf_of(robot), joints=names)
-    motion = random_motion(np.random.default_rng(2), len(names), 5000, turns=3.0)
-    W, exact = leg.regressor(*motion), leg.reduction.reduce(joint_torque_regressor(leg.model, *motion))
-    assert_relative(W, exact, TOLERANCE)
-    largest = np.abs(exact).max(axis=(0, 1))  # columns of small parameters, too
-    assert (np.abs(W - exact).max(axis=(0, 1)) <= TOLERANCE * largest).all()
-
-
 def test_a_reduction_that_does_not_select_columns_is_applied():
     leg = Leg.from_urdf(urdf_of("ur5"))
     assert leg.reduction.selects
@@ -146,27 +132,6 @@ def test_random_trees_on_a_floating_base_have_pinocchios_regressor():
             here = model.idx_qs[j]
             angles[:, j - 2] = np.arctan2(q[:, here + 1], q[:, here]) if j in continuous else q[:, here]
         assert_relative(regressor(model, angles, v[:, 6:], a[:, 6:], base=base), looped(model, q, v, a), TOLERANCE)
-
-
-def test_two_legs_on_a_floating_base_have_pinocchios_regressor():
-    model = pin.buildModelFromUrdf(str(urdf_folder() / URDFS["bleex", "cad"]), pin.JointModelFreeFlyer())
-    q, v, a, base = floating_motion(np.random.default_rng(6), model, 300)
-    W = regressor(model, q[:, 7:], v[:, 6:], a[:, 6:], base=base)
-    assert W.shape == (300, 12, 70)
-    assert_relative(W, looped(model, q, v, a), TOLERANCE)
-
-
-def test_a_base_that_moves_without_a_body_of_its_own_gives_the_joint_rows_of_a_floating_one():
-    """As with an IMU on the torso: the joints' torques need its rates and specific force, and no more."""
-    rng = np.random.default_rng(7)
-    model = pin.buildModelFromUrdf(str(urdf_folder() / URDFS["bleex", "cad"]), pin.JointModelFreeFlyer())
-    q, v, a, base = floating_motion(rng, model, 50)
-    v[:, :3] = 0.0
-    at_imu = BaseSamples(np.hstack([np.zeros((50, 3)), v[:, 3:6]]), base.acceleration)
-    tree = replace(Tree.from_model(pin.buildModelFromUrdf(str(urdf_folder() / URDFS["bleex", "cad"]))), floating=False)
-    out = np.zeros((60, 6, 50))
-    fill_tree_regressor(tree, q[:, 7:], v[:, 6:], a[:, 6:], np.arange(60), out, at_imu)
-    assert_relative(out.transpose(2, 1, 0), looped(model, q, v, a)[:, 6:, 10:], TOLERANCE)
 
 
 # --------------------------------------------------------------------------------------------- memory
