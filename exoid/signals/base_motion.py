@@ -133,7 +133,8 @@ class BaseMotion(Sampled):
         """Derive the motion of the base from poses, such as those of motion capture.
 
         Orientation R and position p pass the low-pass of joint angles, central differences follow, and f = Rᵀ(p̈ − g).
-        An error of the vertical is an error of gravity: 10 mrad are 0.1 m/s².
+        Rows are formed of the pose itself, behind the filter of the angles. An error of the vertical is an error of
+        gravity: 10 mrad are 0.1 m/s².
 
         Args:
             position: Position of a tracked point of the root link in a laboratory whose z axis points up [m], (N, 3).
@@ -144,7 +145,7 @@ class BaseMotion(Sampled):
             at: Position of the tracked point in the axes of the root link [m], (3,).
 
         Returns:
-            The motion of the base, with its smoothed pose.
+            The motion of the base, with its pose as measured.
 
         Raises:
             ExoidError: Shapes do not fit, a number is missing, a quaternion is not of norm 1, the pose jumps, time is
@@ -164,7 +165,10 @@ class BaseMotion(Sampled):
         root = scipy.spatial.transform.Rotation.from_quat(h)
         force = root.apply(acceleration - np.array([0.0, 0.0, -GRAVITY]), inverse=True)
         motion = cls.from_imu(twice_imaginary(h, central_difference(h, rate, 4)), force, position=at)
-        return replace(motion, pose=BasePose(place - root.apply(motion.position.copy()), h), calibrated=True)
+        # The pose stays as it is: smoothed here, it would hide its noise from the choice of the cut-off
+        measured = scipy.spatial.transform.Rotation.from_quat(turns.copy())
+        origin = points - measured.apply(motion.position.copy())
+        return replace(motion, pose=BasePose(origin, turns), calibrated=True)
 
     @property
     def columns(self) -> FloatArray:

@@ -149,7 +149,7 @@ def test_the_estimate_keeps_hash_and_size_of_what_it_came_from(estimate, recordi
     assert (source.name, source.sha256) == (data.train.source.name, data.train.source.sha256)
 
 
-@pytest.mark.parametrize("preparation", [ZeroPhase(6.0, 11.0, 3), FiniteDifference(), MovingAverage(0.4)])
+@pytest.mark.parametrize("preparation", [ZeroPhase(6.0, 11.0), FiniteDifference(), MovingAverage(0.4)])
 def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, preparation, tmp_path):
     estimate = exoid.identify(swing.leg, recording, EVERY_TERM, "ols", preparation=preparation)
     estimate.save(tmp_path / "leg.json")

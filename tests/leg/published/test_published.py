@@ -178,8 +178,3 @@ def test_published_numbers_are_read_only():
         document.tables["V"].values["X1"].value = 0.0
     published.bleex_parameters("cad")["X1"] = 0.0
     assert published.bleex_parameters("cad")["X1"] == 3.783
-
-
-def test_a_table_prints_its_digits():
-    table = published.bleex().tables["II"]
-    assert ["right.Y1", "-0.4990", "kg·m"] in [line.split() for line in str(table).splitlines()]
