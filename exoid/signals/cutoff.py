@@ -81,7 +81,7 @@ def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False)
     if even.base is not None and even.base.pose is not None:
         of_pose = _power(even.base.pose.columns.T, rate)
         of_base[..., 0], of_base[..., 1] = of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)
-        if base_rows:
+        if base_rows or recording.contacts:
             # A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do
             # not share is left for an inertia of the torso, which the noise would attenuate by 0.3 % without this.
             power[0], of_base[0] = 16.0 * power[0], 16.0 * of_base[0]
