@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.regression.intervals import intervals
 from exoid.regression.least_squares import RANK_OF_SQUARES
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table, with_error
@@ -50,20 +49,6 @@ class Comparison(ReadOnly, Report):
     p_value: float
     notes: tuple[str, ...] = ()
     dof: FloatArray = field(kw_only=True)
-
-    def interval(self, level: float = 0.95) -> FloatArray:
-        """Confidence intervals of the differences, each alone.
-
-        Args:
-            level: Probability that an interval contains the true difference.
-
-        Returns:
-            Lower and upper ends, (P, 2).
-
-        Raises:
-            ExoidError: The level is not between 0 and 1.
-        """
-        return intervals(self.difference, self.std, self.dof, level)
 
     @property
     def differ(self) -> bool:
