@@ -10,13 +10,14 @@ import pytest
 from made_estimates import made
 
 import exoid
-from exoid.control.functions import minimum_jerk
+from exoid.control.functions import Body, joint_angles, minimum_jerk, rise
 from exoid.control.ground import GroundState, GroundTarget, stance
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.experiments import ground
 from exoid.leg.floating_base import free_flyer_model
 from exoid.leg.link_frames import link_frame
 from exoid.leg.torso import TorsoMotion
+from exoid.rig.ground.plant import BLEEX_SOLES, SEAT
 from exoid.torques import TorqueModel
 
 BOTH = {"left_foot": "flat", "right_foot": "flat"}
@@ -38,6 +39,25 @@ def state_of(seed: int, contacts=BOTH, **other) -> GroundState:
 def target_of(state: GroundState, seed: int = 0) -> GroundTarget:
     rng = np.random.default_rng(seed)
     return GroundTarget(state.q + 0.01 * rng.standard_normal(6), state.v, 0.3 * rng.standard_normal(6), 0.1, 0.2)
+
+
+def test_a_seat_that_is_left_bears_what_it_must_and_both_legs_bear_alike(machine):
+    """The centre of mass is behind the heels: no forces within cones hold a seated machine on its feet alone."""
+    soles = {**BLEEX_SOLES, "torso": SEAT}
+    law, seated = stance(machine, soles), rise(Body.of(machine, soles))
+    q = joint_angles(machine, seated.flexion[:1])[0]
+    loads = []
+    for share in (1.0, 0.3, 0.2, 0.06, 0.03, 0.01, 0.0):
+        shares = {"left_foot": 1.0, "right_foot": 1.0, "torso": share}
+        state = GroundState(q, np.zeros(6), seated.torso[0, 2], 0.0, dict.fromkeys(shares, "flat"), shares)
+        command = law.command(state, GroundTarget(q, np.zeros(6), pitch=seated.torso[0, 2]))
+        left, right, seat = command.forces.values()
+        assert command.feasible
+        np.testing.assert_allclose(left, right, rtol=0, atol=0.1)
+        assert all(abs(force[0]) <= 0.6 * force[1] + 0.1 for force in (left, right, seat))
+        loads.append(seat[1])
+    assert (np.diff(loads) < 1e-3).all()
+    assert loads[-1] == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("contacts", [BOTH, {"left_foot": "flat"}, {"left_foot": "flat", "right_foot": "toe"}])
