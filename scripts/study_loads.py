@@ -24,7 +24,7 @@ from exoid.online import RecursiveEstimator, load_change
 
 RATE = 100.0
 TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
-STRIDES = (0.5, 1.2, 4.0, 10.0, 12.0)
+STRIDES = (0.5, 0.507, 1.2, 4.0, 10.0, 12.0)  # 0.5 s are exactly 50 samples, each stride the same ones
 PLACE = (0.0, 0.0, -0.2)
 """Place of the load in the frame of the knee [m]."""
 

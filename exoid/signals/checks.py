@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -10,6 +11,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
 
+from .quantities import PREFIXES, UNITS
 from .source import ARRAY, Evidence, SourceLocation
 
 FEWEST_SAMPLES = 10
@@ -81,22 +83,25 @@ def as_joints(names: Sequence[str], joints: tuple[str, ...], argument: str) -> t
 
 
 def with_zero_torque(
-    tau: FloatArray | None, passive: Sequence[str], joints: tuple[str, ...], shape: tuple[int, int]
+    measured: Mapping[str, Any], passive: Sequence[str], joints: tuple[str, ...], shape: tuple[int, int]
 ) -> FloatArray:
-    """Set the torque of passive joints to zero."""
-    out = np.full(shape, np.nan) if tau is None else tau.copy()
-    for joint in passive if out.shape == shape else ():  # the check of shapes refuses any other
-        column = out[:, joints.index(joint)]
-        if not np.isnan(column).all() and np.ptp(column) > 0.0:
-            raise BadArgumentError(
-                f"joint {joint} is declared passive, and its torque goes from {column.min():.4g} N·m to "
-                f"{column.max():.4g} N·m",
-                remedy=f"leave it out of passive if an actuator drives it, or drop tau_{joint} if that is noise",
-                command=f"leave it out of --passive if an actuator drives it; give --unmeasured {joint} too if the "
-                "column is noise",
-                joints=(joint,),
-            )
-        column[:] = 0.0
+    """Set the torque of passive joints to zero; refuse one that is not, and what a drive there measured."""
+    for field in ("tau", "current", "force", "motor_torque"):
+        values = measured.get(field)
+        for joint in passive if np.shape(values) == shape else ():  # the check of shapes refuses any other
+            column, name = values[:, joints.index(joint)], f"{PREFIXES[field]}_{joint}"
+            if np.nan_to_num(column).any():
+                raise BadArgumentError(
+                    f"joint {joint} is declared passive, and {name} goes from {column.min():.4g} to "
+                    f"{column.max():.4g} {UNITS[field]}",
+                    remedy=f"leave it out of passive if an actuator drives it, or drop {name} if that is noise",
+                    command=f"leave it out of --passive if an actuator drives it; give --unmeasured {joint} too if the "
+                    "column is noise",
+                    joints=(joint,),
+                )
+    out = np.full(shape, np.nan) if measured.get("tau") is None else measured["tau"].copy()
+    if out.shape == shape:
+        out[:, [joints.index(joint) for joint in passive]] = 0.0
     out.flags.writeable = False
     return out
 

@@ -68,8 +68,7 @@ class RecordingData:
             frozen[name] = checks.as_joints(getattr(self, name), joints, name)
         samples = np.size(self.time)
         if self.passive:
-            measured: Any = frozen.get("tau")
-            frozen["tau"] = checks.with_zero_torque(measured, self.passive, joints, (samples, len(joints)))
+            frozen["tau"] = checks.with_zero_torque(frozen, self.passive, joints, (samples, len(joints)))
         if self.mask is not None:
             frozen["mask"] = checks.as_mask(self.mask)
         if self.payloads != ():

@@ -137,7 +137,7 @@ def test_a_column_without_any_entry_was_not_measured(tmp_path):
 
 
 def test_the_torque_of_a_passive_joint_is_zero():
-    log = recording(passive=("knee",))
+    log = recording(force=None, passive=("knee",))
     assert log.measured.tolist() == [False, True]
     assert not log.driven.any()
     np.testing.assert_array_equal(log.tau[:, 1], 0.0)
@@ -145,9 +145,9 @@ def test_the_torque_of_a_passive_joint_is_zero():
     assert log.select(("knee",)).passive == ("knee",)
     assert log.select(("hip",)).passive == ()
     assert log.slice(0, 20).passive == ("knee",)
-    assert recording(tau=np.full((40, 2), 0.3), passive=("knee",)).tau[3].tolist() == [0.3, 0.0]
+    assert recording(force=None, tau=np.full((40, 2), [0.3, np.nan]), passive=("knee",)).tau[3].tolist() == [0.3, 0.0]
 
 
 def test_a_joint_that_was_driven_is_passive_where_its_torque_is_left_out():
     log = recording(tau=np.column_stack([T, np.sin(T)]))
-    assert dataclasses.replace(log, tau=None, passive=("knee",)).measured.tolist() == [False, True]
+    assert dataclasses.replace(log, tau=None, force=None, passive=("knee",)).measured.tolist() == [False, True]

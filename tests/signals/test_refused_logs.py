@@ -96,6 +96,8 @@ BAD_ARGUMENTS = {
     "unknown joint": lambda: recording().select(["hip", "ankle"]),
     "empty slice": lambda: recording().between(50.0, 60.0),
     "passive and driven": carried(passive=("knee",)),
+    "passive and held": carried(passive=("knee",), tau=np.full((N, 2), [np.nan, 3.0])),
+    "passive with a current": carried(passive=("knee",), tau=None, current=np.full((N, 2), 0.2)),
     "passive unknown": carried(passive=("ankle",)),
     "computed unknown": carried(computed=("yaw",)),
     "mask of twos": carried(mask=np.full(N, 2)),
