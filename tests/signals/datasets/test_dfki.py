@@ -51,6 +51,12 @@ def estimate(data):
     return exoid.identify(data.leg, data.train)
 
 
+def shown_in_readme(text):
+    """Whether the README shows a figure; true beside an installed package, where there is none."""
+    readme = Path(__file__).resolve().parents[3] / "README.md"
+    return not readme.is_file() or text in readme.read_text(encoding="utf-8")
+
+
 def published_nrmse(data, model):
     """NRMSE of a published model on the test part, both torques through the default filter."""
     p, preparation, rate = PUBLISHED[model], ZeroPhase(), data.test.sample_rate
@@ -79,11 +85,13 @@ def test_the_parts_are_the_published_split(data):
 
 @pytest.mark.real_data("dfki_double_pendulum")
 def test_the_estimate_predicts_the_unseen_part(data, estimate):
-    """Measured 0.0664 and 0.1473; 0.48 s from the ends, as far as they were left out before, 0.0650 and 0.1435."""
+    """As the README says; 0.48 s from the ends, as far as they were left out before, 0.0650 and 0.1435."""
     found = exoid.validate(estimate, data.test)
     shoulder, elbow = found.nrmse
     assert shoulder <= 0.0667
     assert elbow <= 0.1478
+    assert shown_in_readme(f"The NRMSE is {shoulder:.4f} at the shoulder and {elbow:.4f} at the elbow")
+    assert shown_in_readme(f"{found.coverage.mean():.1%} of the samples lie in".replace("%", " %"))
     inner = (found.time >= data.test.time[0] + 0.48) & (found.time <= data.test.time[-1] - 0.48)
     error = np.sqrt((found.residual[inner] ** 2).mean(axis=0)) / found.measured[inner].std(axis=0)
     assert error[0] <= 0.0653
@@ -122,9 +130,7 @@ def test_the_estimate_is_better_than_the_published_models(data, estimate, model)
     """Their models under the same filter reach their published figures, and the estimate beats them."""
     theirs = published_nrmse(data, model)
     print(f"published model {model}:", theirs.round(3))
-    readme = Path(__file__).resolve().parents[3] / "README.md"
-    if readme.is_file():  # not beside an installed package
-        assert " / ".join(f"{error:.3f}" for error in theirs) in readme.read_text(encoding="utf-8")
+    assert shown_in_readme(" / ".join(f"{error:.3f}" for error in theirs))
     np.testing.assert_allclose(theirs, PUBLISHED_NRMSE[model], rtol=0.06)
     assert (exoid.validate(estimate, data.test).nrmse < theirs).all()
 
