@@ -22,6 +22,12 @@ def feed(online, samples):
     online.update(samples[0], None, None, samples[1])
 
 
+def noisy(walker, size):
+    """Make the noise of the torques larger or smaller by a factor."""
+    rng = np.random.default_rng(0)
+    return replace(walker, rng=SimpleNamespace(standard_normal=lambda shape: size * rng.standard_normal(shape)))
+
+
 def estimator(walker):
     return RecursiveEstimator(walker.leg, TERMS, rate=RATE)
 
@@ -112,10 +118,21 @@ def test_a_load_that_is_taken_off_again_leaves_the_leg_that_was():
     assert (np.abs(estimate.values[:9] - walker.leg.parameters) < 5.0 * estimate.std[:9]).all()
 
 
+def test_noise_that_grows_is_a_finding_as_residuals_and_intervals_contradict_each_other():
+    """Thirty times in 72 s, too slowly for an alarm: weights fall by more than ten."""
+    walker = Walker.of(1001, 1.2, "two joints")
+    online = estimator(walker)
+    feed(online, walker.walk(20.0))
+    assert not online.findings
+    for k in range(13):
+        feed(online, noisy(walker, 1.3**k).walk(6.0, 0.0, 20.0 + 6.0 * k))
+    said = {(one.kind, one.joint) for one in online.findings}
+    assert said == {(kind, joint) for kind in ("residuals-grew", "intervals-contradicted") for joint in ("hip", "knee")}
+
+
 def test_intervals_hold_a_load_that_only_errors_of_sampling_obscure():
     """A stride of exactly 50 samples and a noise of 0.02 N·m: what the low-pass bends is no longer explained then."""
-    walker, rng = Walker.of(2, 0.5, "two joints"), np.random.default_rng(0)
-    walker = replace(walker, rng=SimpleNamespace(standard_normal=lambda shape: 0.05 * rng.standard_normal(shape)))
+    walker = noisy(Walker.of(2, 0.5, "two joints"), 0.05)
     online = estimator(walker)
     feed(online, walker.walk(20.0))
     known = online.estimate

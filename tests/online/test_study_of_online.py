@@ -12,9 +12,20 @@ import pytest
 STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_online.py"))
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 
+NORM = Path(os.environ.get("EXOID_DATA_DIR") or ".") / "gait"
+
 pytestmark = pytest.mark.slow
+walks = pytest.mark.skipif(not NORM.is_dir(), reason="the norm of gait is not in $EXOID_DATA_DIR")
 
 
+def test_a_payload_is_found_and_named_while_the_leg_squats():
+    """The scene that needs no data."""
+    (found,) = STUDY["payload"](1, "squats")
+    assert abs(found.error) < min(0.1, 4.0 * found.std)
+    assert found.detected == "load at left_knee"
+
+
+@walks
 @pytest.mark.nightly
 def test_a_payload_on_the_shank_is_found_to_100_g_in_5_s():
     found = STUDY["payload"](16 if FULL else 2)
@@ -22,6 +33,7 @@ def test_a_payload_on_the_shank_is_found_to_100_g_in_5_s():
     assert {one.detected for one in found} == {"load at left_knee"}
 
 
+@walks
 @pytest.mark.nightly
 def test_friction_that_doubles_is_named_within_3_s():
     for joint, found in STUDY["friction"](16 if FULL else 1, ("hip", "knee", "ankle")).items():
@@ -30,17 +42,20 @@ def test_friction_that_doubles_is_named_within_3_s():
             assert one.after <= 3.0
 
 
+@walks
 @pytest.mark.nightly
 def test_nobody_moves_and_nothing_changes():
     assert STUDY["standing"](10.0 if FULL else 0.5).max() <= 1.0
 
 
+@walks
 @pytest.mark.nightly
 def test_walking_on_raises_no_alarm():
     found = STUDY["quiet"](60.0) if FULL else STUDY["quiet"](4.5, rigs=6)
     assert not found.changes
 
 
+@walks
 @pytest.mark.skipif(not FULL, reason="EXOID_FULL_STUDIES=1 runs it: minutes")
 def test_a_controller_with_the_estimate_tracks_like_one_that_knew():
     found = STUDY["loop"](16)
