@@ -137,7 +137,7 @@ def _given_up(settings: Settings, state: State, basis: FloatArray) -> State:
     last = np.asarray(np.linalg.qr(np.hstack([root @ others, root @ basis, z]), mode="r"))
     kept = np.hstack([first[freedom:count, freedom:-1] @ others.T, first[freedom:count, -1:]])
     alone = last[count - freedom : count]
-    # Factor of what is known of a parameter that changed: its standard deviation grows 100 000-fold: more than any change
+    # Factor of what is known of a parameter that changed: its standard deviation grows to more than any change
     loose = 1e-5 * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
     freed, samples = np.zeros_like(state.information.R), np.zeros_like(state.information.rows)
     freed[-1] = np.linalg.qr(np.vstack([kept, loose, np.zeros((1, count + 1))]), mode="r")

@@ -82,26 +82,23 @@ def as_joints(names: Sequence[str], joints: tuple[str, ...], argument: str) -> t
     return tuple(names)
 
 
-def with_zero_torque(
-    measured: Mapping[str, Any], passive: Sequence[str], joints: tuple[str, ...], shape: tuple[int, int]
-) -> FloatArray:
+def with_zero_torque(measured: Mapping[str, Any], shape: tuple[int, int]) -> FloatArray:
     """Set the torque of passive joints to zero; refuse one that is not, and what a drive there measured."""
+    places = {joint: measured["joint_names"].index(joint) for joint in measured["passive"]}
     for field in ("tau", "current", "force", "motor_torque"):
         values = measured.get(field)
-        for joint in passive if np.shape(values) == shape else ():  # the check of shapes refuses any other
-            column, name = values[:, joints.index(joint)], f"{PREFIXES[field]}_{joint}"
-            if np.nan_to_num(column).any():
+        for joint, place in places.items() if np.shape(values) == shape else ():  # checks of shapes refuse any other
+            name, largest = f"{PREFIXES[field]}_{joint}", np.nan_to_num(np.abs(values[:, place])).max(initial=0.0)
+            if largest > 0.0:
                 raise BadArgumentError(
-                    f"joint {joint} is declared passive, and {name} goes from {column.min():.4g} to "
-                    f"{column.max():.4g} {UNITS[field]}",
+                    f"joint {joint} is declared passive, and {name} is up to {largest:.4g} {UNITS[field]}",
                     remedy=f"leave it out of passive if an actuator drives it, or drop {name} if that is noise",
-                    command=f"leave it out of --passive if an actuator drives it; give --unmeasured {joint} too if the "
-                    "column is noise",
+                    command=f"leave it out of --passive if driven; if that is noise, give --unmeasured {joint} too",
                     joints=(joint,),
                 )
     out = np.full(shape, np.nan) if measured.get("tau") is None else measured["tau"].copy()
     if out.shape == shape:
-        out[:, [joints.index(joint) for joint in passive]] = 0.0
+        out[:, [*places.values()]] = 0.0
     out.flags.writeable = False
     return out
 

@@ -66,14 +66,13 @@ class RecordingData:
                 frozen[each.field] = None if each.partial and numbers.size and np.isnan(numbers).all() else numbers
         for name in ("passive", "computed"):
             frozen[name] = checks.as_joints(getattr(self, name), joints, name)
-        samples = np.size(self.time)
         if self.passive:
-            frozen["tau"] = checks.with_zero_torque(frozen, self.passive, joints, (samples, len(joints)))
+            frozen["tau"] = checks.with_zero_torque(frozen, (np.size(self.time), len(joints)))
         if self.mask is not None:
             frozen["mask"] = checks.as_mask(self.mask)
         if self.payloads != ():
             frozen["payloads"] = as_payloads(self.payloads)
-        for name, value in {**frozen, **as_external(self.wrenches, self.contacts, samples)}.items():
+        for name, value in {**frozen, **as_external(self.wrenches, self.contacts, np.size(self.time))}.items():
             object.__setattr__(self, name, value)
 
     def _check(self) -> None:
