@@ -86,7 +86,7 @@ def with_zero_torque(measured: Mapping[str, Any], shape: tuple[int, int]) -> Flo
     """Set the torque of passive joints to zero; refuse one that is not, and what a drive there measured."""
     places = {joint: measured["joint_names"].index(joint) for joint in measured["passive"]}
     for field in ("tau", "current", "force", "motor_torque"):
-        values = measured.get(field)
+        values: Any = measured.get(field)
         for joint, place in places.items() if np.shape(values) == shape else ():  # checks of shapes refuse any other
             name, largest = f"{PREFIXES[field]}_{joint}", np.nan_to_num(np.abs(values[:, place])).max(initial=0.0)
             if largest > 0.0:
