@@ -49,7 +49,8 @@ def _outside(estimate: EstimateData, stretch: Stretch) -> Iterator[tuple[str, Bo
     assert recording.mask is not None
     rows = np.flatnonzero(recording.mask)
     q, up = recording.q[rows], _vertical(recording)[rows]
-    feet = [] if {*stretch.links} & {leg.description.root_link, *recording.wrenches} else stretch.links
+    held = {*stretch.links} & {leg.description.root_link, *recording.wrenches}
+    feet = [] if held or recording.tau is None or not recording.measured.all() else stretch.links
     found = dict(zip(feet, stretch_forces(estimate, stretch, feet), strict=True)) if feet else {}
     for foot, wrench in recording.wrenches.items():
         found[foot] = level_wrench(leg, recording.q, foot, wrench, rows)

@@ -212,7 +212,7 @@ def _solve(
     jacobian = np.concatenate([_level_jacobian(leg, q, link) for link in feet], axis=1)
     noise = np.append(np.zeros(leg.base_rows), estimate.residual_rms) ** 2
     doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
-    size = np.sqrt(noise + doubt)
+    size = np.maximum(np.sqrt(noise + doubt), np.finfo(np.float64).eps)  # a log without noise has rows without error
     inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
     through = inverse @ W
     variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
