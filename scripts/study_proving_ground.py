@@ -27,6 +27,9 @@ from proving_ground.population import MISTAKES, Outcome, best_for_all, forms, po
 REPORTED = 1000
 """First seed whose figures are reported: nothing is tuned on it."""
 
+SHOWN = 1.1
+"""Growth of the residual of some joint from which on a mistake is said to show in the log."""
+
 
 def line(outcome: Outcome) -> str:
     """One machine in one line."""
@@ -80,7 +83,11 @@ def doctor(outcomes: Sequence[Outcome]) -> str:
     rows = []
     for mistake in MISTAKES:
         named = [o.named[mistake] for o in outcomes if mistake in o.named]
-        rows += [(mistake, f"{sum(named)} of {len(named)} named")] * bool(named)
+        unseen = sum(o.shown.get(mistake, SHOWN) < SHOWN for o in outcomes)
+        text = f"{sum(named)} of {len(named)} named" + f"; {sum(named)} of {len(named) - unseen} that show" * bool(
+            unseen
+        )
+        rows += [(mistake, text)] * bool(named)
     judged = [o for o in outcomes if "checked" in o.nrmse]
     for severity in ("error", "warning"):
         false = [o for o in judged if severity in {s for s, _ in o.false}]
@@ -117,7 +124,9 @@ def refusals(outcomes: Sequence[Outcome]) -> str:
 
 def to_json(outcome: Outcome) -> str:
     """Write the figures of a machine."""
-    numbers = {name: getattr(outcome, name) for name in ("nrmse", "seconds", "false", "true", "named", "refused")}
+    numbers = {
+        name: getattr(outcome, name) for name in ("nrmse", "seconds", "false", "true", "named", "shown", "refused")
+    }
     return json.dumps({"seed": outcome.machine.seed, "inside": outcome.inside.tolist(), **numbers})
 
 

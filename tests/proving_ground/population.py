@@ -199,7 +199,8 @@ class Outcome:
         inside: Which 95 % intervals of the rigid bodies contain the truth.
         false: Findings of the log that nothing in the machine explains, as (severity, kind).
         true: Findings that the machine explains.
-        named: Whether each mistake is named with the right joint, and whether the log without it is not.
+        named: Whether each mistake is named with the right joint.
+        shown: By how much a mistake that is not named makes the residual of some joint larger: 1.1 is 10 %.
         refused: What was refused, with the reason.
     """
 
@@ -210,6 +211,7 @@ class Outcome:
     false: list[tuple[str, str]] = field(default_factory=list)
     true: list[tuple[str, str]] = field(default_factory=list)
     named: dict[str, bool] = field(default_factory=dict)
+    shown: dict[str, float] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
 
 
@@ -297,7 +299,8 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
         return
     if kind == "gravity-compensated-effort":
         recording = without_gravity(outcome.machine, recording)
-    found = exoid.check(leg, spoil(recording, joint))
+    spoiled = spoil(recording, joint)
+    found = exoid.check(leg, spoiled)
     name = recording.joint_names[joint]
     labels = {name, leg.joint_labels[joint]}
     # Of all, or of two joints of which only the ratio shows.
@@ -309,6 +312,15 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
         kind = "gravity-direction"
         labels |= {""}
     outcome.named[mistake] = any(f.kind == kind and (f.joint in labels or name in f.message) for f in found)
+    if not outcome.named[mistake] and isinstance(spoiled, Recording):
+        growth = residuals(leg, spoiled) / residuals(leg, recording)
+        outcome.shown[mistake] = float(growth[driven].max())
+
+
+def residuals(leg: exoid.Leg, recording: Recording) -> Array:
+    """RMS residual of each joint after a fit, over the spread of its torque."""
+    estimate = exoid.identify(leg, recording, check=False)
+    return estimate.residual_rms[-recording.n_joints :] / np.maximum(np.std(recording.tau, axis=0), 1e-9)
 
 
 def _attempt(outcome: Outcome, name: str, do: Callable[[], object]) -> object:

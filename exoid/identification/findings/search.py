@@ -115,6 +115,11 @@ def _is_late(score: Score) -> bool:
     return score.nuisance.kind == "torque-delay" and float(score.delta[0]) > LATE
 
 
+def _is_scaled(score: Score) -> bool:
+    """Whether a fault is a torque out of scale that explains much."""
+    return score.nuisance.kind == "torque-scale" and score.gain > LARGE_GAIN
+
+
 def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
     ease = COMMON if _is_late(score) else 1.0
@@ -135,7 +140,7 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
     likely: list[Score] = []
     for score in sorted((one for one in scores if one is not None), key=lambda one: -one.evidence):
         most = max((one.evidence for one in likely), default=-np.inf)
-        if most > max(1.5 * score.evidence, score.evidence + UNDECIDED) and not _is_late(score):
+        if most > max(1.5 * score.evidence, score.evidence + UNDECIDED) and not (_is_late(score) or _is_scaled(score)):
             continue  # a second test with other noise would not bring it to the best
         again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN or _is_late(score) else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
@@ -143,9 +148,10 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
             if kind == "two-clocks" and beside.evidence.torque_shares(columns, again.delta[:, None])[0] < 0.005:
                 continue  # what friction that drifts may do too
             likely.append(again)
-    # straps and cross-talk of many columns imitate a late torque, which one number explains
-    late = any(_is_late(one) for one in likely)
-    likely.sort(key=lambda one: (late and one.nuisance.kind in ("unmodelled-force", "cross-talk"), -one.evidence))
+    # straps and cross-talk of many columns imitate a late torque, or one out of scale, which one number explains
+    most = max((one.evidence for one in likely), default=0.0)
+    plainly = any(_is_late(one) or (_is_scaled(one) and 1.5 * one.evidence > most) for one in likely)
+    likely.sort(key=lambda one: (plainly and one.nuisance.kind in ("unmodelled-force", "cross-talk"), -one.evidence))
     return [one for one in likely if abs(one.evidence - likely[0].evidence) < UNDECIDED]
 
 

@@ -96,7 +96,8 @@ class Problem:
         residual = misfit.W @ (misfit.target - self.K @ _unit(U)) / np.sqrt(misfit.mu)
         if misfit.heaviest is not None:  # −log room, whose second derivative has one row per link
             room = misfit.heaviest - U[:, 3, 3] ** 2
-            columns = np.vstack([columns, scipy.linalg.block_diag(*(turned[:, 0] / room[:, None]))])
+            each = np.eye(len(room))[:, :, None] * (turned[:, 0] / room[:, None])  # block_diag is 20 times as slow
+            columns = np.vstack([columns, each.reshape(len(room), -1)])
             residual = np.concatenate([residual, -np.ones(len(room))])
         small = np.eye(len(columns)) + columns @ columns.T
         y = pull + columns.T @ np.linalg.solve(small, residual - columns @ pull)
