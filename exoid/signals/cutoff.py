@@ -46,8 +46,8 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
     """Choose the highest cut-off frequency at which derived accelerations have little noise.
 
     White noise of power density N in an angle gives ω⁴ N in the acceleration. N is the median of the periodogram P of
-    the angle in its upper band (of a pose from 8 to 10 Hz), over ln 2. For each joint, noise and signal below the cut-off f are compared over all
-    segments of all recordings:
+    the angle in its upper band (of a pose from 8 to 10 Hz), over ln 2. For each joint, noise and signal below the
+    cut-off f are compared over all segments of all recordings:
 
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
@@ -125,10 +125,10 @@ def _power(signals: FloatArray, rate: float, derivatives: int = 2, *, smoothed: 
         spectrum = scipy.fft.rfft(detrended * np.hanning(samples))
         power = (spectrum.real**2 + spectrum.imag**2) / samples
         frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
-        upper = frequency >= 0.6 * frequency[-1]  # above, noise only
+        first, last = int(np.searchsorted(frequency, 0.6 * frequency[-1])), len(frequency)  # noise only
         if smoothed:  # a pose has passed a low-pass of 10 Hz, above which little is left of its noise
-            upper = (frequency >= min(CUTOFFS[-1], 0.6 * frequency[-1])) & (frequency < STANDARD_CUTOFF)
-        noise = np.median(power[:, upper], axis=1) / np.log(2.0)
+            first, last = np.minimum(np.searchsorted(frequency, (CUTOFFS[-1], STANDARD_CUTOFF)), (first, last)).tolist()
+        noise = np.median(power[:, first : max(last, first + 1)], axis=1) / np.log(2.0)
         below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
         slow = slice(0, below[-1] + 1)
         weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)

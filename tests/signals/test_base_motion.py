@@ -158,6 +158,18 @@ def test_the_cut_off_falls_with_a_noisy_gyroscope():
     assert choose_cutoff([quiet]) == choose_cutoff([dataclasses.replace(quiet, base=None)])
 
 
+def test_the_cut_off_falls_with_a_noisy_pose():
+    """Its own low-pass leaves the noise that matters, and takes that of the upper band away."""
+    walked, rng, found = walk(seconds=30.0), np.random.default_rng(1), []
+    position, turn = walked.pose
+    for size in (0.0, 5e-4, 5e-3):
+        turned = turn * Rotation.from_rotvec(size * rng.standard_normal((len(walked.time), 3)))
+        noisy = position + size * rng.standard_normal(position.shape)
+        base = BaseMotion.from_pose(noisy, turned.as_quat(), walked.time)
+        found.append(choose_cutoff([dataclasses.replace(walked.recording(), base=base)]))
+    assert found[0] > found[1] > found[2]
+
+
 # --- Mistakes -------------------------------------------------------------------------------------------------------
 
 
