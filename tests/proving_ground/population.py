@@ -308,10 +308,11 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
         kind == "torque-scale" and count == 2
     ):
         labels |= {"", *recording.joint_names}
-    if kind == "angle-offset" and joint == 0:  # of the first joint it is the direction of gravity
-        kind = "gravity-direction"
+    kinds = {kind}
+    if kind == "angle-offset" and joint == 0:  # of the first joint it may be the direction of gravity
+        kinds |= {"gravity-direction"}
         labels |= {""}
-    outcome.named[mistake] = any(f.kind == kind and (f.joint in labels or name in f.message) for f in found)
+    outcome.named[mistake] = any(f.kind in kinds and (f.joint in labels or name in f.message) for f in found)
     if not outcome.named[mistake] and isinstance(spoiled, Recording):
         growth = residuals(leg, spoiled) / residuals(leg, recording)
         outcome.shown[mistake] = float(growth[driven].max())
