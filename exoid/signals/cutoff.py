@@ -10,7 +10,6 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .base_pose import STANDARD_CUTOFF
 from .poses import Poses
 from .preparation import KINEMATICS_MULTIPLE, LARGEST_RATIO, ZeroPhase
 from .recording import Recording
@@ -46,8 +45,8 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
     """Choose the highest cut-off frequency at which derived accelerations have little noise.
 
     White noise of power density N in an angle gives ω⁴ N in the acceleration. N is the median of the periodogram P of
-    the angle in its upper band (of a pose from 8 to 10 Hz), over ln 2. For each joint, noise and signal below the
-    cut-off f are compared over all segments of all recordings:
+    the angle in its upper band, over ln 2. For each joint, noise and signal below the cut-off f are compared over all
+    segments of all recordings:
 
         Σ ∫₀ᶠ ω⁴ N ≤ 0.02² Σ ∫₀ᶠ ω⁴ P.
 
@@ -80,7 +79,7 @@ def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False)
         return AccelerationPower(nothing, nothing, len(even), rate)
     power, of_base = _power(even.q.T, rate), np.zeros((2, len(CUTOFFS), OF_BASE))
     if even.base is not None and even.base.pose is not None:
-        of_pose = _power(even.base.pose.columns.T, rate, smoothed=True)
+        of_pose = _power(even.base.pose.columns.T, rate)
         of_base[..., 0], of_base[..., 1] = of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)
         if base_rows or recording.contacts:
             # A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do
@@ -113,7 +112,7 @@ def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
     return highest
 
 
-def _power(signals: FloatArray, rate: float, derivatives: int = 2, *, smoothed: bool = False) -> FloatArray:
+def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> FloatArray:
     """Powers of noise and of signal in the derivative of signals (n, N), (2, 71, n)."""
     powers = np.zeros((2, len(CUTOFFS), len(signals)))
     for segment in np.array_split(signals, -(-signals.shape[1] // 2**16), axis=1):
@@ -125,10 +124,7 @@ def _power(signals: FloatArray, rate: float, derivatives: int = 2, *, smoothed: 
         spectrum = scipy.fft.rfft(detrended * np.hanning(samples))
         power = (spectrum.real**2 + spectrum.imag**2) / samples
         frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
-        first, last = int(np.searchsorted(frequency, 0.6 * frequency[-1])), len(frequency)  # noise only
-        if smoothed:  # a pose has passed a low-pass of 10 Hz, above which little is left of its noise
-            first, last = np.minimum(np.searchsorted(frequency, (CUTOFFS[-1], STANDARD_CUTOFF)), (first, last)).tolist()
-        noise = np.median(power[:, first : max(last, first + 1)], axis=1) / np.log(2.0)
+        noise = np.median(power[:, frequency >= 0.6 * frequency[-1]], axis=1) / np.log(2.0)  # above, noise only
         below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
         slow = slice(0, below[-1] + 1)
         weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
