@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,10 @@ ALIGNED = 0.2
 
 TINY = 1e-18
 """Stands for the square of a singular value of constraints that is zero: such a sample is not used."""
+
+
+KEPT_BYTES = 2**25
+"""Bytes of eliminations that are kept, the newest."""
 
 
 class Elimination(NamedTuple):
@@ -46,8 +50,29 @@ class Elimination(NamedTuple):
         return out if self.loop is None else np.einsum("kjn,njs->ksn", out, self.loop)
 
 
+_kept: dict[Hashable, Elimination] = {}
+
+
 def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None = None) -> Elimination:
     """Find the rows that unknown wrenches on links leave."""
+    # Torque and columns of a recording ask for the same poses, and so do fits that differ in torque or sensor alone.
+    key = (leg, *links, q.shape, q.tobytes(), b"" if axes is None else axes.tobytes())
+    if key not in _kept:
+        found = _eliminate(leg, links, q, axes)
+        _kept[key] = found
+        while sum(_size(each) for each in _kept.values()) > KEPT_BYTES:
+            del _kept[next(iter(_kept))]
+        return found
+    return _kept[key]
+
+
+def _size(found: Elimination) -> int:
+    """Bytes of an elimination."""
+    return sum(part.nbytes for part in found if part is not None)
+
+
+def _eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None) -> Elimination:
+    """Find the rows, of poses that were not asked for just before."""
     # A flat link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with
     # C q̇ = 0. Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E
     # (Eᵀ P E)^(−1/2) varies smoothly, and is orthonormal, so that each row has the noise of one joint's torque.
