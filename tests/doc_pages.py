@@ -1,12 +1,14 @@
-"""Pages of Markdown whose Python and whose commands run as they stand, each in a fresh interpreter."""
+"""Pages of Markdown whose Python and whose commands run as they stand, in a fresh interpreter or in this one."""
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
 import subprocess
 import sys
+import webbrowser
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +16,7 @@ from typing import NamedTuple
 import pytest
 
 import exoid
+from exoid.view.scenes.server import SceneServer
 
 ROOT = Path(__file__).resolve().parents[1]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -88,6 +91,16 @@ class Page(NamedTuple):
     def run(self, folder: Path) -> str:
         """Run its Python, and then its commands in the same interpreter; return what they printed."""
         return run(folder, self.python, self.commands, self.name)
+
+    def run_here(self, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> str:
+        """Run the same in this process, without seconds of imports: a page that forgets one may pass."""
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr(sys, "argv", ["-c", self.name])
+        monkeypatch.setattr(sys, "stdin", io.StringIO(json.dumps([self.python, self.commands])))
+        monkeypatch.setattr(webbrowser, "open", webbrowser.open)  # both are put back afterwards
+        monkeypatch.setattr(SceneServer, "wait", SceneServer.wait)
+        exec(PROGRAM, {"__name__": "__main__"})
+        return capsys.readouterr().out
 
 
 def shell_commands(block: str) -> list[str]:

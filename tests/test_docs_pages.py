@@ -1,5 +1,6 @@
 """Pages of the docs are true: their Python and their commands run as they stand, and print what the page shows.
 
+Every page runs at night in an interpreter of its own, which has imported nothing; short ones also with the slow tests.
 test_shown_commands.py makes sure that no command is left out.
 """
 
@@ -39,25 +40,32 @@ PAGES = [name for name, page in ALL.items() if page.python or page.commands]
 pytestmark = pytest.mark.skipif(not DOCS.is_dir(), reason="needs the source tree")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(
-            name,
-            marks=[
-                pytest.mark.nightly if name in LONG else pytest.mark.slow,
-                *real_data(ALL[name].python + "".join(ALL[name].commands)),
-            ],
-        )
-        for name in PAGES
-        if name not in TESTED_ELSEWHERE
-    ],
-)
-def test_the_page_runs_from_top_to_bottom(name, tmp_path):
-    page = ALL[name]
+RUN = {
+    name: real_data(page.python + "".join(page.commands))
+    for name, page in ALL.items()
+    if name in PAGES and name not in TESTED_ELSEWHERE
+}
+"""Pages that are run, with the marks of their data."""
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("forgetful")
+@pytest.mark.parametrize("name", [pytest.param(name, marks=RUN[name]) for name in RUN if name not in LONG])
+def test_the_page_runs_in_this_process(name, tmp_path, monkeypatch, capsys):
     own_leg(tmp_path)
-    printed = without_spaces(page.run(tmp_path))
-    assert not [block for block in page.shown if without_spaces(block) not in printed]
+    _shows_what_it_prints(ALL[name], ALL[name].run_here(tmp_path, monkeypatch, capsys))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", [pytest.param(name, marks=RUN[name]) for name in RUN])
+def test_the_page_runs_from_top_to_bottom(name, tmp_path):
+    own_leg(tmp_path)
+    _shows_what_it_prints(ALL[name], ALL[name].run(tmp_path))
+
+
+def _shows_what_it_prints(page, printed):
+    """Every block of printed text on the page was printed."""
+    assert not [block for block in page.shown if without_spaces(block) not in without_spaces(printed)]
 
 
 def test_every_page_that_has_something_to_run_is_run():
