@@ -38,8 +38,9 @@ WINDOW = 1.0
 CLEARLY = 30.0
 """Difference of two likelihood ratios that tells hypotheses apart: 2 ln(1/p) for p = 3e-7."""
 
-TORN = 4.0
-"""Mean square of residuals over that before a change from which on collected rows are of several changes."""
+TORN, BENT = 4.0, 0.01
+"""Collected rows are of several changes once their mean squared residual is so many times that before the change, and
+this part of what changed: what the low-pass bends and the encoder rounds grows with a load, to a tenth of it."""
 
 
 def look(settings: Settings, state: State, rows: Rows) -> Detector:
@@ -98,7 +99,8 @@ def judge(settings: Settings, state: State) -> Verdict:
     score, energy = score - lost @ (L.T @ score), energy - lost @ EL.T
     statistics = detection.statistics(score, energy)
     explained = float(ratios_of(score[None, moving], energy[None][:, moving][:, :, moving])[0])
-    left = max(float(e @ e) - everything, 0.0) / max(independent - len(moving), 1.0)
+    changed = float(e @ e)
+    left = max(changed - everything, 0.0) / max(independent - len(moving), 1.0)
     # An F statistic, times what errors of the model raise it by in this motion
     unit = max(1.0, left) * float(detector.mean.mean())
     ratios = statistics / (detector.mean * detection.limits)
@@ -108,4 +110,5 @@ def judge(settings: Settings, state: State) -> Verdict:
     candidates = tuple(np.flatnonzero(worth > worth[best] - CLEARLY * unit).tolist()) if best >= 0 else ()
     lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
     complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
-    return Verdict(ratios, best, candidates, complete, left > TORN and independent > 2.0 * len(moving))
+    torn = left > TORN and changed - everything > BENT * changed and independent > 2.0 * len(moving)
+    return Verdict(ratios, best, candidates, complete, torn)
