@@ -88,7 +88,7 @@ class Estimate(Report, EstimateData):
         (:func:`exoid.leg.lift.lift`). Where none can exist with masses near the URDF's, the estimate moves: within its
         errors, and towards the URDF's links as the pull says. Coulomb and
         viscous friction go into ``<dynamics friction= damping=>`` where they were identified. A URDF has no place for
-        rotor inertia, offset and stiffness: :meth:`to_mjcf` and :meth:`save` have. A rotor inertia that is
+        rotor inertia, offset and stiffness: :meth:`save` has, and :meth:`to_mjcf` has rotors. A rotor inertia that is
         regrouped into an inertia (J1 at the hip) stays there, unless ``identify(known={"Ia_hip": …})`` took it out.
         Everything else in the URDF stays as it is; file names of
         meshes too, so a URDF with relative ones belongs into the same folder.

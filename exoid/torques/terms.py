@@ -224,7 +224,7 @@ class Stiffness(Term):
     @property
     def units(self) -> tuple[str, ...]:
         """Newton metres over powers of radians."""
-        units = {0: "N·m", 1: "N·m/rad"}
+        units = {0: "N·m", 1: "N·m/rad", 2: "N·m/rad²", 3: "N·m/rad³"}
         return tuple(units.get(power, f"N·m/rad^{power}") for power in range(self.degree, -1, -1))
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:

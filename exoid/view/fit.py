@@ -62,7 +62,7 @@ def plot_residual_trend(ax: Axes, x: FloatArray, residual: FloatArray, joint: in
     if bins:
         centre, mean = (np.array([each[rows].mean() for rows in bins]) for each in (x, residual))
         error = np.array([residual[rows].std(ddof=1) / np.sqrt(len(rows)) for rows in bins])
-        ax.errorbar(centre, mean, 2.0 * error, fmt="o", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e.")
+        ax.errorbar(centre, mean, 2.0 * error, fmt="o", ms=2.5, lw=1.0, color=MEASURED, label="mean ± 2 s.e. if white")
     return decorate(ax, xlabel, f"{label} residual [N·m]", zero=True)
 
 

@@ -33,10 +33,10 @@ def columns(term: Term, q: object = 0.0, v: object = 0.0, a: object = 0.0) -> np
         (Viscous(), ("d",), ("N·m·s/rad",)),
         (Armature(), ("Ia",), ("kg·m²",)),
         (Offset(), ("offset",), ("N·m",)),
-        (Stiffness(), ("b2", "b1", "b0"), ("N·m/rad^2", "N·m/rad", "N·m")),
+        (Stiffness(), ("b2", "b1", "b0"), ("N·m/rad²", "N·m/rad", "N·m")),
         (Stiffness(degree=1), ("b1", "b0"), ("N·m/rad", "N·m")),
         (Stiffness(degree=0), ("b0",), ("N·m",)),
-        (Stiffness(degree=3), ("b3", "b2", "b1", "b0"), ("N·m/rad^3", "N·m/rad^2", "N·m/rad", "N·m")),
+        (Stiffness(degree=3), ("b3", "b2", "b1", "b0"), ("N·m/rad³", "N·m/rad²", "N·m/rad", "N·m")),
     ],
 )
 def test_each_term_names_its_parameters_and_their_units(term, symbols, units):

@@ -30,7 +30,7 @@ def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
         *leg.parameter_units,
         *("N·m",) * 3,
         "N·m·s/rad",
-        *("N·m/rad^2", "N·m/rad", "N·m"),
+        *("N·m/rad²", "N·m/rad", "N·m"),
     )
 
 

@@ -16,12 +16,13 @@ from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
 from exoid.leg.published import bleex_parameters
 from exoid.signals import Poses, Recording, Smoothed
+from exoid.tools.json_values import named
 from exoid.torques import Coulomb, Stiffness, TorqueModel
 
 from .bleex_measurements import Extent, Measurements, measure_bleex, truth_values
 from .sequential import bleex as steps
 from .sequential.estimate import SequentialEstimate
-from .torque_error import by_name, torque_nrmse
+from .torque_error import torque_nrmse
 
 SIDES = ("left", "right")
 
@@ -122,7 +123,7 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
     no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
     sequential = sequential_bleex(model, data.sets, upright, data.swings)
     truth, cad = truth_values(side), bleex_parameters("cad")
-    models = {"sequential": sequential.as_dict(), "joint": by_name(joint), "cad": cad, "truth": truth}
+    models = {"sequential": sequential.as_dict(), "joint": named(joint.names, joint.values), "cad": cad, "truth": truth}
     return SideReplay(
         leg=leg,
         truth=truth,

@@ -10,17 +10,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from exoid.signals import Approaches, FiniteDifference
-from exoid.tools.json_values import json_value
+from exoid.tools.json_values import json_value, named
 from exoid.tools.tables import DataTable
 from exoid.view.colours import CAD, IDENTIFIED, PREDICTED
 from exoid.view.experiments import plot_approaches, plot_stiffness, plot_torques
 from exoid.view.fit import plot_friction_fit
 
 from .bleex import BleexReplay, SideReplay
-from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
+from .report import LABELS, Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
 from .sequential.bleex import ANKLE, KNEE, MIN_SPEED, document_model
 from .sequential.estimate import rows_in_motion
-from .torque_error import by_name, joint_errors, predicted_torque, validation_rows
+from .torque_error import joint_errors, predicted_torque, validation_rows
 
 JOINTS = ("hip", "knee", "ankle")
 
@@ -97,6 +97,7 @@ def _tables(title: str, side: SideReplay) -> tuple[DataTable, DataTable]:
     rows = [
         (
             name,
+            side.joint[name].unit,
             f"{true:.4g}",
             *(estimate_cells(side.sequential, name, true) if name in known else ("0", "–", f"{-true:+.3g}")),
             *estimate_cells(side.joint, name, true),
@@ -104,7 +105,8 @@ def _tables(title: str, side: SideReplay) -> tuple[DataTable, DataTable]:
         )
         for name, true in side.truth.items()
     ]
-    headers = ("parameter", "truth", "document's", "± std", "error", "joint", "± std", "error", "CAD")
+    compared = (header for name in ("sequential", "joint") for header in (LABELS.get(name, name), "± std", "error"))
+    headers = ("parameter", "unit", "truth", *compared, LABELS["cad"])
     caption = f"{title} leg, Tables I to V: truth of the rig, the document's sequential estimate, one joint estimate"
     motion = f"the validation motion (Fig. 7), {title.lower()} leg"
     return errors_table(motion, side.nrmse, JOINTS), DataTable(caption, headers, rows)
@@ -148,7 +150,7 @@ def _draw_inertia(figure: Figure, side: SideReplay) -> None:
     time = recording.time[valid] - recording.time[valid][0]
     shown = time < 0.5 * SHOWN
     measured = np.asarray(recording.tau)[valid, ANKLE] - still
-    fitted = [("document's estimate", inertial[shown, np.newaxis], PREDICTED)]
+    fitted = [(f"{LABELS['sequential']} estimate", inertial[shown, np.newaxis], PREDICTED)]
     plot_torques([figure.add_subplot()], time[shown], measured[shown, np.newaxis], fitted, ["inertial ankle"])
 
 
@@ -166,9 +168,10 @@ def _draw_validation(figure: Figure, side: SideReplay) -> None:
     model = side.joint.model
     rows = validation_rows(model, side.data.validation)
     shown = rows.time - rows.time[0] < SHOWN
+    fitted = named(model.names, side.joint.values)
     predictions = [
         (name, predicted_torque(model, values, rows)[shown], colour)
-        for name, values, colour in (("CAD", side.cad, CAD), ("joint estimate", by_name(side.joint), IDENTIFIED))
+        for name, values, colour in ((LABELS["cad"], side.cad, CAD), ("joint estimate", fitted, IDENTIFIED))
     ]
     axes = figure.subplots(3, 1, sharex=True)
     plot_torques(axes, rows.time[shown] - rows.time[0], rows.tau[shown], predictions, JOINTS)

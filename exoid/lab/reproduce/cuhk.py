@@ -19,11 +19,12 @@ from exoid.leg.leg import Leg
 from exoid.leg.published import cuhk_parameters, cuhk_resistances
 from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
+from exoid.tools.json_values import named
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
 from .sequential import cuhk as steps
 from .sequential.estimate import SequentialEstimate
-from .torque_error import by_name, predicted_torque, torque_nrmse, torque_rmse, validation_rows
+from .torque_error import predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
 MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
 """Assumed flat motor of 90 W with gear ratio 50, 0.8 kg·m² at the joint; the document names neither."""
@@ -166,8 +167,8 @@ def _replay(leg: Leg, static: list[Poses], logs: Mapping[str, Recording], seed: 
     truth, model = truth_with_rotor(), estimate.model
     models = {
         "table_ii": delayed.as_dict(),
-        "multisine": by_name(estimate),
-        "no_rotor": by_name(no_rotor),
+        "multisine": named(model.names, estimate.values),
+        "no_rotor": named(no_rotor.names, no_rotor.values),
         "truth": truth,
     }
     wrong = {**truth, "J2": J2_FACTOR * truth["J2"]}
@@ -185,7 +186,7 @@ def _replay(leg: Leg, static: list[Poses], logs: Mapping[str, Recording], seed: 
             for name, motion in (("document", document), ("multisine", independent))
         },
         validation=document,
-        predicted=predicted_torque(model, by_name(estimate), rows),
+        predicted=predicted_torque(model, named(model.names, estimate.values), rows),
         measured=rows.tau,
         seed=seed,
     )

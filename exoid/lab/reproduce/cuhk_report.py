@@ -12,7 +12,7 @@ from exoid.view.colours import IDENTIFIED
 from exoid.view.experiments import plot_reference, plot_torques
 
 from .cuhk import J2_FACTOR, CuhkReplay
-from .report import Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
+from .report import LABELS, Drawing, ReplayReport, errors_table, estimate_cells, estimate_json
 from .torque_error import joint_errors
 
 JOINTS = ("hip", "knee")
@@ -76,6 +76,7 @@ def _parameters(replay: CuhkReplay) -> DataTable:
     rows = [
         (
             name,
+            replay.multisine[name].unit,
             f"{true:.4g}",
             *((f"{delayed[name]:.4g}", f"{delayed[name] - true:+.3g}") if name in delayed else ("–", "–")),
             f"{plain[name]:.4g}" if name in plain else "–",
@@ -83,7 +84,8 @@ def _parameters(replay: CuhkReplay) -> DataTable:
         )
         for name, true in replay.truth.items()
     ]
-    headers = ("parameter", "truth", "Table II", "error", "no lag", "multisine", "± std", "error")
+    sequential = (LABELS["table_ii"], "error", LABELS["table_ii_zero_phase"])
+    headers = ("parameter", "unit", "truth", *sequential, "multisine", "± std", "error")
     return DataTable("CUHK-EXO, Tables II and III: truth of the rig and estimates", headers, rows)
 
 

@@ -17,6 +17,15 @@ from exoid.view.style import COLUMN
 
 from .sequential.estimate import SequentialEstimate
 
+LABELS = {
+    "sequential": "document's",
+    "cad": "CAD",
+    "table_ii": "Table II",
+    "table_ii_zero_phase": "Table II, no lag",
+    "no_rotor": "multisine, no rotor",
+}
+"""Name of a model in tables and figures, where it differs from that in the JSON."""
+
 
 class Drawing(NamedTuple):
     """A figure that is drawn when it is asked for."""
@@ -96,5 +105,5 @@ def estimate_json(estimate: Estimate | SequentialEstimate, *more: str) -> dict[s
 
 def errors_table(motion: str, nrmse: Mapping[str, FloatArray], joints: Sequence[str]) -> DataTable:
     """Make a table of the torque error of each model on a motion."""
-    rows = [(name.replace("_", " "), *(f"{error:.4f}" for error in errors)) for name, errors in nrmse.items()]
+    rows = [(LABELS.get(name, name), *(f"{error:.4f}" for error in errors)) for name, errors in nrmse.items()]
     return DataTable(f"NRMSE of the torque on {motion}", ("model", *joints), rows)

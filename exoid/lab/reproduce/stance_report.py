@@ -64,16 +64,16 @@ def stance_parameters(replay: StanceReplay) -> DataTable:
     """Make a table of the parameters of the rigid bodies: truth and three estimates."""
     rows = []
     for name in replay.leg.parameter_names:
-        cells = [name, f"{replay.truth[name]:.4g}"]
+        cells = [name, replay.estimates["plates"][name].unit, f"{replay.truth[name]:.4g}"]
         for way, estimate in replay.estimates.items():
             known = name in estimate.names
             true = replay.true_value(way, name)
             cells += estimate_cells(estimate, name, true, relative=True) if known else ("refused", "", "")
         rows.append(cells)
-    headers = ["parameter", "truth", *(header for way in replay.estimates for header in (way, "± std", "error"))]
+    columns = (header for way in replay.estimates for header in (way, "± std", "error"))
     return DataTable(
         "BLEEX, both legs and torso: truth, and estimates from swing, with stance and force plates, and without plates",
-        headers,
+        ("parameter", "unit", "truth", *columns),
         rows,
     )
 
@@ -89,8 +89,8 @@ def stance_summary(replay: StanceReplay) -> DataTable:
         )
         for way in replay.estimates
     ]
-    headers = ("estimate", "M", "X, largest", "J, largest", "in 95 % interval", "cannot know")
-    return DataTable("Errors in % of the truth, and parameters within their intervals in %", headers, rows)
+    headers = ("estimate", "M [%]", "X, largest [%]", "J, largest [%]", "in 95 % interval [%]", "cannot know")
+    return DataTable("Errors over the truth, and share of the parameters within their intervals", headers, rows)
 
 
 def _forces_table(replay: StanceReplay) -> DataTable:
@@ -111,17 +111,17 @@ def _forces_table(replay: StanceReplay) -> DataTable:
 def _walk_table(replay: StanceReplay) -> DataTable:
     """X, Y and J of the legs from a walk."""
     walk, rows = replay.walk, []
-    for name in next(iter(walk.estimates.values())).names:
+    for name, unit in zip(walk.estimates["left"].names, walk.estimates["left"].units, strict=True):
         if name[0] in "XYJ":
-            cells = [name]
+            cells = [name, unit]
             for side, estimate in walk.estimates.items():
                 true = replay.truth[f"{name}_{side}"]
                 cells += [f"{true:.4g}", *estimate_cells(estimate, name, true, relative=True)]
             rows.append(cells)
-    headers = ["parameter", *(each for side in walk.estimates for each in (f"true {side}", side, "± std", "error"))]
+    columns = (header for side in walk.estimates for header in (f"true {side}", side, "± std", "error"))
     seconds = " and ".join(f"{time:.1f} s" for time in walk.seconds.values())
     title = f"Swing rows of a walk ({seconds}); friction and rotors are those of the estimate without plates"
-    return DataTable(title, headers, rows)
+    return DataTable(title, ("parameter", "unit", *columns), rows)
 
 
 def _findings(replay: StanceReplay) -> list[str]:

@@ -7,16 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.estimate import Estimate
 from exoid.regression.every_row import make_rows
 from exoid.regression.row_data import Rows
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import TorqueModel
-
-
-def by_name(estimate: Estimate) -> dict[str, float]:
-    """Return the values of an estimate by name."""
-    return dict(zip(estimate.names, estimate.values.tolist(), strict=True))
 
 
 def validation_rows(model: TorqueModel, recording: Recording) -> Rows:

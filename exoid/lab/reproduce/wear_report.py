@@ -10,18 +10,13 @@ from matplotlib.figure import Figure
 from exoid.tools.json_values import attributes, named
 from exoid.tools.tables import DataTable
 from exoid.view.colours import CAD, IDENTIFIED, MEASURED, RESIDUAL
-from exoid.view.style import COLUMN, legend_above
+from exoid.view.style import COLUMN, decorate_column
 
-from .report import Drawing, ReplayReport
+from .report import LABELS, Drawing, ReplayReport
 from .wear_study import MARGIN, WearStudy
 
-MODELS = {
-    "off": ("off", RESIDUAL),
-    "cad": ("CAD", CAD),
-    "identified": ("identified", IDENTIFIED),
-    "truth": ("truth", MEASURED),
-}
-"""Label and colour of each model."""
+COLOURS = {"off": RESIDUAL, "cad": CAD, "identified": IDENTIFIED, "truth": MEASURED}
+"""Colour of each model."""
 
 
 def wear_report(study: WearStudy) -> ReplayReport:
@@ -62,9 +57,10 @@ def _table(study: WearStudy) -> DataTable:
         if largest is not None:
             stable = f"{largest.largest:.3g}" if np.isfinite(largest.largest) else f"above {largest.most:g}"
         amplification = "" if felt.amplification is None else f"{felt.amplification:.3g}"
-        rows.append((MODELS[name][0], stable, amplification, *(f"{x:.3g}" for x in (*felt.rms, felt.rms_of_all))))
-    headers = ("controller knows", "largest α", "α used", *study.joint_names, "all")
-    title = f"RMS torque between wearer and {study.name} [N·m], stride of {study.period:g} s; largest stable α"
+        torques = (f"{x:.3g}" for x in (*felt.rms, felt.rms_of_all))
+        rows.append((LABELS.get(name, name), stable, amplification, *torques))
+    headers = ("controller knows", "largest α", "α used", *(f"{each} [N·m]" for each in (*study.joint_names, "all")))
+    title = f"RMS torque between wearer and {study.name}, stride of {study.period:g} s; largest stable α"
     return DataTable(title, headers, rows)
 
 
@@ -92,15 +88,13 @@ def _draw_torque(figure: Figure, study: WearStudy) -> None:
     """Draw the felt torque of each model over the last stride, one axes a joint."""
     axes = figure.subplots(len(study.joint_names), 1, sharex=True, squeeze=False)[:, 0]
     for name, felt in study.felt.items():
-        run, exact, (label, colour) = felt.run, name == "truth", MODELS[name]
+        run, exact, label = felt.run, name == "truth", LABELS.get(name, name)
         assert run.interaction is not None
         last = run.time >= run.time[-1] - study.period
-        style: dict[str, Any] = {"color": colour, "lw": 2.0 if exact else 1.0, "zorder": 1 if exact else 2}
+        style: dict[str, Any] = {"color": COLOURS[name], "lw": 2.0 if exact else 1.0, "zorder": 1 if exact else 2}
         if felt.amplification is not None:
             label = f"{label}, α = {felt.amplification:.3g}"
         for ax, torque in zip(axes, run.interaction[last].T, strict=True):
             ax.plot(run.time[last] - run.time[last][0], torque, label=label, **style)
-    for ax, joint in zip(axes, study.joint_names, strict=True):
-        ax.set_ylabel(f"{joint} [N·m]")
-    legend_above(axes[0], 4)
+    decorate_column(axes, [f"{joint} torque [N·m]" for joint in study.joint_names], columns=4)
     axes[-1].set_xlabel("time in the stride [s]")
