@@ -55,8 +55,7 @@ def plot_day(figure: Figure, parts: Sequence[DayPart], joints: Sequence[str]) ->
         for ax, contact in zip(axes[1:], contacts, strict=True):
             first = part is parts[0]
             ax.plot(begin + part.time, part.force[contact], color=MEASURED, lw=0.8, label="true" if first else None)
-            told = np.where(part.told[contact] == 0.0, 0.0, part.told[contact])
-            ax.plot(begin + part.blocks, told, color=PREDICTED, lw=0.4, label="told" if first else None)
+            ax.plot(begin + part.blocks, part.told[contact], color=PREDICTED, lw=0.4, label="told" if first else None)
         begin += float(part.time[-1])
     decorate(axes[0], "", "torque [N·m]", zero=True)
     for k, (ax, contact) in enumerate(zip(axes[1:], contacts, strict=True)):
