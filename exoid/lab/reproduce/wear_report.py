@@ -96,5 +96,5 @@ def _draw_torque(figure: Figure, study: WearStudy) -> None:
             label = f"{label}, α = {felt.amplification:.3g}"
         for ax, torque in zip(axes, run.interaction[last].T, strict=True):
             ax.plot(run.time[last] - run.time[last][0], torque, label=label, **style)
-    decorate_column(axes, [f"{joint} torque [N·m]" for joint in study.joint_names], columns=4)
+    decorate_column(list(axes), [f"{joint}\ntorque [N·m]" for joint in study.joint_names], columns=4)
     axes[-1].set_xlabel("time in the stride [s]")
