@@ -78,7 +78,7 @@ def test_text_json_and_page_say_the_same(replay):
     assert set(data["estimates"]) == {"swing", "plates", "no plates"}
     mass = data["estimates"]["no plates"]["values"]["M"]
     row = next(row for row in stance_parameters(replay).rows if row[0] == "M")
-    assert float(row[8]) == pytest.approx(mass, abs=0.02)
+    assert float(row[9]) == pytest.approx(mass, abs=0.02)
     assert "refused" in row
     for table in (stance_parameters(replay), stance_summary(replay)):
         assert table.caption in text
