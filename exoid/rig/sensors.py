@@ -13,7 +13,7 @@ from exoid.tools.numbers import checked
 
 @dataclass(frozen=True)
 class Sensors:
-    """Encoders or potentiometers, tachometers, torque sensors, and sensors in the cuffs of a rig.
+    """Encoders or potentiometers, tachometers and torque sensors of a rig.
 
     Noise and offset are one number for all joints, or (n,).
 
@@ -24,8 +24,6 @@ class Sensors:
         torque_noise: Standard deviation of the torque [N·m].
         torque_offset: Zero offset of the torque sensor [N·m].
         delay: Delay of all readings in periods of the controller.
-        interaction_noise: Standard deviation of the torque of the wearer that controllers receive [N·m].
-        interaction_offset: Zero offset of that torque [N·m].
 
     Raises:
         ExoidError: A number has the wrong sign, or is not finite (``encoder_counts`` may be infinite).
@@ -37,15 +35,12 @@ class Sensors:
     torque_noise: ArrayLike = 0.0
     torque_offset: ArrayLike = 0.0
     delay: int = 0
-    interaction_noise: ArrayLike = 0.0
-    interaction_offset: ArrayLike = 0.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        for name in ("angle_noise", "velocity_noise", "torque_noise", "interaction_noise"):
+        for name in ("angle_noise", "velocity_noise", "torque_noise"):
             checked(getattr(self, name), name, least=0.0)
-        for name in ("torque_offset", "interaction_offset"):
-            checked(getattr(self, name), name)
+        checked(self.torque_offset, "torque_offset")
         checked(self.encoder_counts, "encoder_counts", above=0.0, infinite=True)
         if self.delay != int(self.delay) or self.delay < 0:
             raise BadArgumentError(f"a delay of {self.delay} periods", remedy="give a whole number ≥ 0")
@@ -68,14 +63,6 @@ def read_velocity(sensors: Sensors, v: FloatArray, rng: np.random.Generator) -> 
 def read_torque(sensors: Sensors, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Read torques of B rigs."""
     return noisy(tau + _column(sensors.torque_offset), _column(sensors.torque_noise), rng)
-
-
-def read_interaction(sensors: Sensors, tau: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Read torques of the wearers of B rigs."""
-    read = tau + _column(sensors.interaction_offset)
-    return (
-        noisy(read, _column(sensors.interaction_noise), rng) if np.any(sensors.interaction_noise) else np.asarray(read)
-    )
 
 
 def noisy(x: FloatArray, std: float | FloatArray, rng: np.random.Generator) -> FloatArray:

@@ -16,7 +16,7 @@ from .actuators import Actuator, StepTorque
 from .controllers import Controller, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
-from .sensors import Sensors, read_angle, read_interaction, read_torque, read_velocity
+from .sensors import Sensors, read_angle, read_torque, read_velocity
 from .stepper import Step, Stepper
 from .wearer import Wearer
 from .worn_stepper import WornStepper
@@ -141,7 +141,7 @@ def simulate(
                 target, (tau, *motion) = reference.at(k * dt), past[0]
                 reading = read_angle(sensors, motion[0], rng), read_velocity(sensors, motion[1], rng)
             if controls:
-                felt = (read_interaction(sensors, limb.interaction(*motion), rng),) if limb and worn_law else ()
+                felt = (limb.interaction(*motion),) if limb and worn_law else ()
                 command = commanded(target, *reading, *felt)
             if logs:
                 if not every_control:

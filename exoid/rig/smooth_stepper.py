@@ -81,7 +81,6 @@ class SmoothStepper(Stepper):
         motors: CoupledMotors | None = None,
     ) -> None:
         super().__init__(plant, q, v, dt)
-        self.smoothing, self._motors = smoothing, motors
         self.smoothing = smoothing
         self._axes = np.zeros((0, plant.n))  # rows of A⁻¹: angles of motors per angle of the joints
         self._coulomb = self._viscous = np.zeros((0, 1))  # of the motors

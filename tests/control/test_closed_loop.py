@@ -70,15 +70,6 @@ def test_the_closed_loop_without_friction_is_that_of_an_integrator_of_high_order
     assert np.deg2rad(run.peak_deg.max()) > 50.0 * errors[1]
 
 
-def test_no_energy_comes_from_nowhere():
-    for plant in (cuhk_plant(), cuhk_plant(0.0)):
-        run = simulate_law(plant, pd(KP, KD), healthy_gait(period=2.0), 2.0)
-        assert run.audit.relative_error < 1e-4
-        assert run.audit.dissipated > 1.0
-        work = run.tau[1:] * np.diff(run.q, axis=0)
-        assert run.audit.work == pytest.approx(work.sum(), rel=1e-6)
-
-
 def test_metrics_are_what_their_names_say():
     run = simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(period=2.0), 3.0, settle=1.0)
     late = run.time >= 1.0
@@ -100,12 +91,6 @@ def test_the_recording_is_what_the_sensors_said():
         assert np.std(said - true) == pytest.approx(noise, rel=0.15)
 
 
-def test_the_same_seed_gives_the_same_run():
-    runs = [simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 0.3, sensors=NOISY, seed=s).q for s in (1, 1, 2)]
-    np.testing.assert_array_equal(runs[0], runs[1])
-    assert (runs[0] != runs[2]).any()
-
-
 def test_many_rigs_at_once_do_what_each_does_alone():
     plants = [cuhk_plant(), cuhk_plant(0.0), cuhk_plant(c0_hip=3.0)]
     leg = plants[0].leg
@@ -117,15 +102,6 @@ def test_many_rigs_at_once_do_what_each_does_alone():
     for one, plant in zip(together, plants, strict=True):
         alone = simulate_law(plant, pd(KP, KD), healthy_gait(period=2.0), 0.6)
         np.testing.assert_allclose(one.q, alone.q, atol=1e-8)
-
-
-def test_delay_is_what_makes_a_stiff_loop_swing():
-    stiff = pd((400.0, 300.0), (20.0, 15.0))
-    prompt, late = (
-        simulate_law(cuhk_plant(), stiff, healthy_gait(), 1.5, settle=0.5, sensors=Sensors(np.inf, delay=d))
-        for d in (0, 8)
-    )
-    assert (late.torque_variation > 10.0 * prompt.torque_variation).any()
 
 
 def test_a_run_may_begin_elsewhere():

@@ -90,13 +90,6 @@ def test_the_wearer_carries_the_rest_of_the_weight(share):
     np.testing.assert_allclose(run.interaction[-1], (1.0 - share) * weight, atol=0.01)
 
 
-def test_transparent_is_support_of_all_weight_with_friction():
-    state = random_state(2)
-    friction = PASSIVE.torque(ControlModel.of(RUBBING), state, None)
-    expected = RUBBING.leg.gravity(state.q)[0] + friction
-    np.testing.assert_allclose(transparent(RUBBING).torque(state, None), expected, rtol=1e-12)
-
-
 def test_an_unworn_transparent_leg_stays_where_it_is_released():
     run = simulate_law(SMOOTH, transparent(SMOOTH, rate=1000.0), HOLD, 2.0, start=POSE, sensors=EXACT)
     np.testing.assert_allclose(run.q, np.tile(POSE, (len(run.q), 1)), atol=1e-6)

@@ -78,13 +78,6 @@ def test_an_imu_reads_means_of_the_time_of_the_sample(walk):
     np.testing.assert_allclose(log.angular_velocity[2:-2, 1], turned[1:-1], rtol=0, atol=1e-6)
 
 
-def test_an_imu_of_two_steps_reads_the_velocity_of_the_sample(walk):
-    """The velocity of the semi-implicit scheme is that of half a step before."""
-    log = walk.recording(replace(GroundSensors.exact(), imu_window=0.001)).base
-    expected = walk.base.angular_velocity + 0.00025 * walk.base.angular_acceleration
-    np.testing.assert_allclose(log.angular_velocity[1:-1], expected[1:-1], rtol=0, atol=1e-9)
-
-
 def test_the_rows_of_a_swing_are_those_of_the_truth_behind_an_imu_that_takes_means(walk):
     """Single steps alias the jolts of the other foot, and a velocity half a step late shifts all that it derives."""
     leg, preparation = load_leg("bleex", side="left"), ZeroPhase(8.0, kinematics_cutoff=60.0)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 
 from exoid.rig.stick_slip import Friction, descend, solve_stick_slip
 
@@ -69,33 +68,6 @@ def test_coulombs_law_holds_for_any_previous_velocity(n):
     np.testing.assert_allclose(slip.v[:, straight], plain.v[:, straight], rtol=0, atol=1e-9)
     taken = (b - (M * slip.v).sum(axis=1))[:, straight]
     assert ((taken <= part.high + 1e-9) & (taken >= part.low - 1e-9)).all()
-
-
-@SIZES
-def test_the_solution_is_the_minimum_of_the_convex_function(n):
-    """Split v into forward and backward parts and hand it to a bounded minimiser of scipy."""
-    M, impulse, friction, last = problems(n, seed=20 + n)
-    slip, b = without_turning(M, impulse, friction, last)
-    for k in range(12):
-        A, c, rhs = M[..., k], friction.kinetic[:, k], b[:, k]
-
-        def cost(x, A=A, c=c, rhs=rhs):
-            v = x[:n] - x[n:]
-            slope = A @ v - rhs
-            return 0.5 * v @ A @ v - rhs @ v + c @ (x[:n] + x[n:]), np.concatenate([slope + c, c - slope])
-
-        found = minimize(
-            cost,
-            np.zeros(2 * n),
-            jac=True,
-            method="L-BFGS-B",
-            bounds=[(0, None)] * (2 * n),
-            options={"ftol": 1e-15, "gtol": 1e-10, "maxiter": 5000},
-        ).x
-        v = found[:n] - found[n:]
-        ours = np.concatenate([np.maximum(slip.v[:, k], 0), np.maximum(-slip.v[:, k], 0)])
-        assert cost(ours)[0] <= cost(found)[0] + 1e-10
-        np.testing.assert_allclose(slip.v[:, k], v, rtol=0, atol=2e-4 * (1 + np.abs(v).max()))
 
 
 @SIZES

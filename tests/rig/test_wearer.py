@@ -305,20 +305,6 @@ def test_smooth_friction_may_be_worn():
 # ------------------------------------------------------------------------------------- sensors and seeds
 
 
-@pytest.mark.slow
-def test_controllers_that_can_receive_the_torque_of_the_wearer():
-    exact, noisy = Feel(), Feel()
-    sensors = Sensors(np.inf, interaction_noise=(2.0, 0.5), interaction_offset=3.0)
-    rates = Rates(100.0, 100.0, 5e-4)
-    run = worn(controller=exact, rates=rates, duration=3.0)
-    np.testing.assert_array_equal(np.array(exact.felt), run.interaction)
-    same = worn(controller=noisy, rates=rates, duration=3.0, sensors=sensors, seed=1)
-    np.testing.assert_array_equal(run.interaction, same.interaction)
-    error = (np.array(noisy.felt) - run.interaction)[..., 0]
-    np.testing.assert_allclose(error.std(axis=0), [2.0, 0.5], rtol=0.15)
-    np.testing.assert_allclose(error.mean(axis=0), 3.0, atol=0.5)
-
-
 def test_the_torque_of_the_wearer_arrives_as_late_as_all_readings():
     late, rates = Feel(), Rates(100.0, 100.0, 5e-4)
     run = worn(controller=late, rates=rates, sensors=Sensors(np.inf, delay=3))

@@ -18,15 +18,6 @@ from .hypotheses import CERTAIN
 SAFE = "safe stop"
 """State of the fall-back: support as long as contacts are known, then damping."""
 
-LIKELY = 0.9
-"""Probability with which a leg bears, among known sets, from which the last support by it is kept in doubt."""
-
-ABOUT = 0.3
-"""Time by which a change of contacts may be early or late, and is still expected [s]."""
-
-LASTS = 0.1
-"""Time for which a contact that the function does not plan now must have been known before it bears [s]."""
-
 
 class Rule(NamedTuple):
     """Row of the table: in a function, a condition leads to another function.
@@ -104,6 +95,9 @@ class Coordinator:
         patience: Time after which a request that cannot be granted is dropped, and after which contacts that the
             function does not expect lead to :data:`SAFE` [s].
         transfer: Time in which a foot takes its share [s].
+        likely: Probability with which a leg bears, among known sets, from which it keeps its load in doubt.
+        about: Time by which a change of contacts may be early or late, and is still expected [s].
+        lasts: Time for which a contact that the function does not plan now must have been known before it bears [s].
         rate: Rate of the decisions [Hz].
 
     Raises:
@@ -121,6 +115,9 @@ class Coordinator:
     hold: float = 0.15
     patience: float = 1.5
     transfer: float = 0.1
+    likely: float = 0.9
+    about: float = 0.3
+    lasts: float = 0.1
     rate: float = 1000.0
 
     def __post_init__(self) -> None:
@@ -183,8 +180,8 @@ class Coordinator:
         planned = memory.known if memory.function == SAFE else self.functions[memory.function].expected(memory.phase)
         kept = []
         for name in memory.known:  # a foot that is planned in the air needs proof that lasts
-            proven = name in planned or memory.settled >= LASTS
-            if proven and bears[name] >= (LIKELY if doubt and name in planned else CERTAIN):
+            proven = name in planned or memory.settled >= self.lasts
+            if proven and bears[name] >= (self.likely if doubt and name in planned else CERTAIN):
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]
         level = "support" if known else "frozen" if held or feet else "damping"
@@ -208,12 +205,12 @@ class Coordinator:
             memory: Memory.
 
         Returns:
-            Sets that it plans within :data:`ABOUT`; none in the safe stop.
+            Sets that it plans within ``about``; none in the safe stop.
         """
         if memory.function == SAFE:
             return frozenset()
         function = self.functions[memory.function]
-        return {function.expected(memory.phase + way / function.duration) for way in (-ABOUT, 0.0, ABOUT)}
+        return {function.expected(memory.phase + way / function.duration) for way in (-self.about, 0.0, self.about)}
 
     def _leaving(self, memory: CoordinatorMemory) -> Contacts:
         """Contacts that the function gives up within the time of a transfer; another foot bears the load."""

@@ -21,20 +21,11 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import Sole
 from exoid.torques.model import TorqueModel
 
-MOST = 9
-"""Largest number of hypotheses: two feet, a seat, and the unknown."""
-
 CERTAIN = 0.99
 """Probability from which a set of contacts counts as known."""
 
-FREEZES, MOVES = 0.03, 0.5
-"""Time for which a reading does not change at all [s] while the machine moves so fast [rad/s]: a frozen sensor."""
-
 BLOCK = 0.01
 """Time between two decisions [s]."""
-
-AGREES, DISTRUSTED = 0.2, 1.0
-"""Time over which motion and torque must agree by some set [s], and time for which all are unknown if they do not."""
 
 
 class ContactNoise(NamedTuple):
@@ -55,6 +46,10 @@ class ContactNoise(NamedTuple):
     switch: float = 0.85  # probability that a healthy switch is right, late ones included
     late: float = 0.08  # time over which the readings of a switch are one piece of evidence [s]
     misfit: float = 1.4  # mean log(1 + distance / freedom) of the best set from which a sensor must be wrong
+    freezes: float = 0.03  # time for which a reading does not change at all: the sensor is frozen [s]
+    moves: float = 0.5  # velocity of a joint from which the machine moves, so that a reading has to change [rad/s]
+    agrees: float = 0.2  # time over which motion and torque must agree by some set [s]
+    distrusted: float = 1.0  # time for which all sets are unknown if they do not [s]
     surprise: float = 0.1  # probability in a block of a set that the function does not expect, over one that it does
 
 
@@ -167,7 +162,7 @@ class ContactFilter:
                 where=leg.description.name,
                 remedy='identify the legs with base="floating"',
             )
-        if not soles or 2 ** len(soles) + 1 > MOST:
+        if not 1 <= len(soles) <= 3:
             raise BadArgumentError(f"{len(soles)} soles", remedy="give one to three: two feet and a seat")
         if not 0.0 < 4.0 * cutoff <= rate * (1.0 + 1e-9):
             raise BadArgumentError(f"a cut-off of {cutoff:g} Hz at {rate:g} Hz", remedy="at most a quarter of the rate")
@@ -237,7 +232,7 @@ class ContactFilter:
         memory.left = (memory.left + len(readings.q)) % every
         low, speed, change = self._filtered(memory, readings, ends)
         likelihood, wrenches, misfit = self._evidence(low, speed, change)
-        frozen = self._frozen(memory, readings)[ends] & (np.abs(speed).max(axis=1) > MOVES)
+        frozen = self._frozen(memory, readings)[ends] & (np.abs(speed).max(axis=1) > self.noise.moves)
         unknown = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
         switched = [link for link in self.feet if link in readings.switches]
         own = [self.feet.index(link) for link in switched]
@@ -250,9 +245,10 @@ class ContactFilter:
         surprise = np.where([*planned, not expected], 0.0, np.log(self.noise.surprise))
         for k in range(K):
             belief = self._changes @ memory.probability
-            memory.misfit += BLOCK / AGREES * (misfit[k] - memory.misfit)
+            memory.misfit += BLOCK / self.noise.agrees * (misfit[k] - memory.misfit)
             wrong = memory.misfit > self.noise.misfit  # jolts are short
-            memory.distrusted = DISTRUSTED if wrong else max(memory.distrusted - BLOCK, 0.0)
+            memory.distrusted = self.noise.distrusted if wrong else max(memory.distrusted - BLOCK, 0.0)
+            # a frozen encoder explains the rows by another set: nothing but its constant reading tells
             if frozen[k] or memory.distrusted > 0.0:
                 likelihood[k] = unknown
             score = self.noise.temper * (likelihood[k] - likelihood[k].max()) + surprise
@@ -329,7 +325,7 @@ class ContactFilter:
         changed = np.where(np.diff(x, axis=0, prepend=last[np.newaxis]) != 0.0, row, -still)
         count = row - np.maximum.accumulate(changed, axis=0)
         memory.last, memory.still = x[-1], count[-1]
-        return np.asarray((count >= FREEZES * self.rate).any(axis=1))
+        return np.asarray((count >= self.noise.freezes * self.rate).any(axis=1))
 
     def _evidence(
         self, low: FloatArray, speed: FloatArray, change: FloatArray
@@ -422,12 +418,6 @@ class ContactFilter:
         """Columns Jᵀ P^½ of the wrench on a sole about its middle, (K, R, 3); a point has a small moment."""
         leg = self.model.leg
         J = leg.frame_jacobian(q, link, self.soles[link].centre)
-        plane = leg.plane
-        rows = np.concatenate(
-            [
-                np.tensordot(np.array([plane.forward, plane.up]), J[:, :3], (1, 1)).swapaxes(0, 1),
-                np.einsum("i,kij->kj", -plane.lateral, J[:, 3:])[:, None],
-            ],
-            axis=1,
-        )
-        return np.asarray(np.swapaxes(rows, 1, 2) * self._prior)
+        forward, lateral, up = leg.plane
+        rows = (forward @ J[:, :3], up @ J[:, :3], -lateral @ J[:, 3:])
+        return np.stack(rows, axis=2) * self._prior

@@ -75,12 +75,6 @@ class SensorNoise:
         return cls(tau, velocity, np.maximum(_white(recording.q), ENCODER * steps))
 
 
-def noise_columns(noise: SensorNoise, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Spread the standard deviations of torque, velocity and angle over the joints, (n,) each."""
-    torque, velocity, angle = (for_joints(x, n, "noise") for x in (noise.torque, noise.velocity, noise.angle))
-    return torque, velocity, angle
-
-
 def _step(q: FloatArray) -> float:
     """Step of an encoder whose angles are q, (N,); 0 if they do not come in whole steps."""
     changes = np.abs(np.diff(q))
@@ -144,7 +138,7 @@ class NoiseBand(NamedTuple):
         if noise is None:  # the band of the residuals alone, without detection
             white = np.maximum(gains[0] * residual.density * rate, residual.variance)
             return cls(white, np.zeros(n), np.zeros(n), np.inf)
-        variances = [std**2 for std in noise_columns(noise, n)]
+        variances = [for_joints(x, n, "noise") ** 2 for x in (noise.torque, noise.velocity, noise.angle)]
         left = np.clip(residual.variance - residual.share * variances[0], 0.0, None)
         acting = [h for h, found in zip(responses, variances, strict=True) if found.any()] or responses[:1]
         # the kind of noise that crosses most often decides
