@@ -168,10 +168,10 @@ def _draw_validation(figure: Figure, side: SideReplay) -> None:
     model = side.joint.model
     rows = validation_rows(model, side.data.validation)
     shown = rows.time - rows.time[0] < SHOWN
-    fitted = named(model.names, side.joint.values)
+    joint = named(model.names, side.joint.values)
     predictions = [
         (name, predicted_torque(model, values, rows)[shown], colour)
-        for name, values, colour in ((LABELS["cad"], side.cad, CAD), ("joint estimate", fitted, IDENTIFIED))
+        for name, values, colour in ((LABELS["cad"], side.cad, CAD), ("joint estimate", joint, IDENTIFIED))
     ]
     axes = figure.subplots(3, 1, sharex=True)
     plot_torques(axes, rows.time[shown] - rows.time[0], rows.tau[shown], predictions, JOINTS)

@@ -21,7 +21,6 @@ LABELS = {
     "sequential": "document's",
     "cad": "CAD",
     "table_ii": "Table II",
-    "table_ii_zero_phase": "Table II, no lag",
     "no_rotor": "multisine, no rotor",
 }
 """Name of a model in tables and figures, where it differs from that in the JSON."""
