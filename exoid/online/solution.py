@@ -12,7 +12,7 @@ from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
 from exoid.regression.diagnostics import parameter_scale
-from exoid.regression.least_squares import TINY, RFactor, solve, stack
+from exoid.regression.least_squares import ROUNDING, TINY, RFactor, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
@@ -26,20 +26,23 @@ def solved(settings: Settings, state: State, information: Information) -> State:
     """Put information in; values, standard deviations and weights follow as soon as it determines them."""
     state = state._replace(information=information)
     R = belief(settings, state)
-    inverse = inverse_of(R)
+    inverse, enough = inverse_of(R), information.rows[:-1] >= FEWEST_ROWS
+    if inverse is None and not np.isfinite(state.std[0]):
+        return state
+    # Few rows may have given a joint a weight so large that the others count as rounding: weights follow all the same
+    values = scaled_lstsq(R[:-1, :-1], R[:-1, -1]) if inverse is None else inverse @ R[:-1, -1]
+    state = state._replace(weights=np.where(enough, 1.0 / residual_rms(information, values), state.weights))
     if inverse is None:
         return state
-    values, enough = inverse @ R[:-1, -1], information.rows[:-1] >= FEWEST_ROWS
-    weights = np.where(enough, 1.0 / residual_rms(information, values), state.weights)
-    return state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)), weights=weights)
+    return state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)))
 
 
 def inverse_of(R: FloatArray) -> FloatArray | None:
     """Inverse of the triangle of an R factor [R z]; None where it does not determine a parameter."""
     root = R[:-1, :-1]
     size = np.sqrt((root**2).sum(axis=0))
-    # Smallest diagonal of the R factor with columns of unit length that counts as determined
-    if not size.all() or not (np.abs(np.diag(root)) > 1e-7 * size).all():
+    # Less than RANK: a joint's weight may be a thousand times another's, whose rows still determine a parameter
+    if not size.all() or not (np.abs(np.diag(root)) > ROUNDING * size).all():
         return None
     return np.asarray(scipy.linalg.lapack.dtrtri(root)[0])
 

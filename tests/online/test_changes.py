@@ -144,6 +144,17 @@ def test_a_load_is_found_where_noise_hides_no_error_of_sampling(seed, machine):
     assert {one.kind for one in online.findings} == {"changed-load"}
 
 
+def test_a_joint_that_weighs_three_hundred_times_another_hides_no_load():
+    """Encoders of 4096 counts: most of the noise is theirs, and differs from joint to joint."""
+    walker, count = noisy(Walker.of(2, 0.5, "abduction"), 0.0125), 2.0 * np.pi / 4096
+    online = estimator(walker)
+    for seconds, load, begin in ((25.0, 0.0, 0.0), (5.0, 3.0, 25.0)):
+        q, tau = walker.walk(seconds, load, begin)
+        feed(online, (count * np.round(q / count), tau))
+    assert online.state.weights.max() > 100.0 * online.state.weights.min()
+    assert STUDY["named"](online) == ("load at knee",)
+
+
 @pytest.mark.parametrize("size", [pytest.param(5.0, marks=pytest.mark.slow), 20.0])
 def test_torques_that_no_parameter_explains_are_a_finding(size):
     """Somebody pushes at the knee, now this way and now that: all is given up, said, and taken back afterwards."""
