@@ -17,7 +17,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
-from exoid.regression.least_squares import rms_residual, scaled_inverse
+from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, without_torque_delay
@@ -126,8 +126,17 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     # standard deviations for white noise; of 18 torques that were 40 ms late, 16 were beyond 7.
     half = 2.0 * np.sqrt(3.0 * np.diag(found.covariance))
     # A torque that is shifted by less than a fifth of a millisecond is as good as on time
-    significant = (np.abs(found.values) > 1.5 * half) & (np.abs(found.values) > 2e-4)
-    return np.where(significant, found.values, 0.0), half
+    size = np.where(np.abs(found.values) > 2e-4, np.abs(found.values), 0.0)
+    doubtful = (size > 0.5 * half) & (size < 1.5 * half)
+    if doubtful.any():  # the residuals that tell the noise contain the delay: take it out, and see what is left
+        by_joint = {k: float(found.values[k]) for k in np.flatnonzero(size > 0.5 * half).tolist()}
+        shifted = _changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), by_joint))
+        left = rms_residuals(shifted, parts, wls(shifted).solution.values)
+        left /= np.maximum(rms_residuals(problem, parts, fitted.fit.solution.values), TINY)
+        rows = [name for k in parts for name in problem.groups[k].model.row_names]  # of joints, or combinations of them
+        share = [max((x for x, row in zip(left, rows, strict=True) if row == name), default=1.0) for name in joints]
+        half = np.where(doubtful, half * np.minimum(share, 1.0), half)
+    return np.where(size > 1.5 * half, found.values, 0.0), half
 
 
 def _late(joint: int, model: TorqueModel, one: Recording) -> Recording:

@@ -52,7 +52,7 @@ def test_table_figure_and_page_show_the_same(bleex):
     for felt in bleex.felt.values():
         assert f"{felt.rms_of_all:.3g}" in str(report)
     (figure,) = report.figures().values()
-    assert [ax.get_ylabel() for ax in figure.axes] == [f"{name} [N·m]" for name in bleex.joint_names]
+    assert [ax.get_ylabel() for ax in figure.axes] == [f"{name}\ntorque [N·m]" for name in bleex.joint_names]
     assert [line.get_label().split(",")[0] for line in figure.axes[0].lines] == ["off", "CAD", "identified", "truth"]
     assert "felt" in report.page().html()
 
