@@ -71,6 +71,7 @@ class Group:
     memory_share: float = 1.0  # part of `KEPT_BYTES` for rows that are kept, where there are several groups
     _whole: dict[int, list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _few: dict[int, Rows | RowsFile] = field(default_factory=dict, init=False, repr=False)  # after decimation
+    _latest: dict[int, Rows] = field(default_factory=dict, init=False, repr=False)  # decimated rows of one recording
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -110,7 +111,12 @@ class Group:
 
     def decimated(self, index: int) -> Rows:
         """Rows of one recording that carry independent noise."""
-        few = self._few.get(index) or chain([fewer for _, fewer in self._make(index) if len(fewer.time)])
+        few = self._few.get(index) or self._latest.get(index)
+        if few is None:  # several passes follow one another: the noise, the sandwich, the jackknife
+            self._latest.clear()
+            few = chain([fewer for _, fewer in self._make(index) if len(fewer.time)])
+            if self.memory_share == 1.0:
+                self._latest[index] = few
         return few.read() if isinstance(few, RowsFile) else few
 
     def _make(self, index: int) -> Iterator[tuple[Rows, Rows]]:
@@ -124,20 +130,22 @@ class Group:
         size = 8 * count * prepared.tau.shape[1] * len(self.model.names)
         kept = [*itertools.chain(*self._whole.values()), *(few for few in self._few.values() if isinstance(few, Rows))]
         room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for rows in kept)
-        keep_whole = size * (1.0 + 1.0 / step) <= room
+        keep_whole, keep_few = size * (1.0 + 1.0 / step) <= room, size / step <= room
+        # where decimation leaves so few, reading them from a file is faster than making them again
+        file_few = not keep_few and step >= 4
         whole, few, before = list[Rows](), list[Rows](), 0
         for stretch in prepared.stretches():
             rows = form_rows(self.model, prepared, stretch)
             fewer = decimate(rows, before, count)
             before += len(stretch)
             whole += [rows] if keep_whole else []
-            few += [fewer] if len(fewer.time) else []
+            few += [fewer] if len(fewer.time) and (keep_few or file_few) else []
             yield rows, fewer
         if keep_whole:
             self._whole[index] = whole
-        if size / step <= room:
+        if keep_few:
             self._few[index] = chain(few)
-        elif step >= 4:  # where decimation leaves so few, reading them from a file is faster than making them again
+        if file_few:
             self._few[index] = RowsFile(chain(few))
         if self.memory_share < 1.0:  # other groups need the memory of the kinematics
             self._prepared.clear()

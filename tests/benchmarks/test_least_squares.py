@@ -25,10 +25,11 @@ from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
 SAMPLES, RATE, ROUNDS = 200_000, 500.0, 3
-RATIO, WHOLE = 9.0, 0.3
-"""Below these something has become slower."""
-BYTES = 400.0
-"""Growth of memory with each sample beyond the data: rows without a filter are not decimated, and kept in one piece."""
+RATIO, WHOLE = 9.0, 0.4
+"""Below these something has become slower. The loop takes 0.4 or 0.6 s, by whether its pages are fresh: the second
+ratio is 0.47 to 0.77 for the same program."""
+BYTES = 40.0
+"""Growth of memory with each sample beyond the data."""
 
 LEG = exoid.load_leg("bleex")
 TERMS = (Coulomb(), Viscous())
@@ -127,12 +128,12 @@ def test_least_squares_is_many_times_as_fast_as_the_loop_and_lstsq():
     assert baseline >= WHOLE * best[identify]
 
 
-def test_least_squares_keeps_one_copy_of_rows_without_a_filter():
+def test_least_squares_takes_no_more_memory_for_more_samples():
     peaks = {samples: peak(samples) for samples in (SAMPLES, 3 * SAMPLES)}
     print("\n" + ", ".join(f"{memory / 1e6:.1f} MB beside {samples:,} samples" for samples, memory in peaks.items()))
     least, most = peaks.values()
     assert most - least <= BYTES * 2 * SAMPLES
-    assert least <= 90e6
+    assert least <= 40e6
 
 
 def peak(samples: int) -> int:

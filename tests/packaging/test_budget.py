@@ -15,7 +15,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (6988, 5000),
     "estimate": (3515, 2900),
     "experiments": (3513, 3200),
-    "identification": (7555, 7200),
+    "identification": (7563, 7200),
     "lab": (4634, 5000),
     "leg": (4583, 4200),
     "online": (1476, 1500),
