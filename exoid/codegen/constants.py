@@ -21,9 +21,9 @@ class Constants(NamedTuple):
 
 def constants_of_bodies(leg: Leg, known: Mapping[str, float], dialect: Dialect) -> Iterator[Constants]:
     """Write directions, distances and the parameters X, Y and J of a planar leg."""
-    joints, number = leg.joint_names, dialect.number
     if leg.chain is None:
         return
+    joints, number = leg.joint_names, dialect.number
     signs = [(f"axis of {joint}", number(sign)) for joint, sign in zip(joints, leg.chain.signs, strict=True)]
     yield Constants("sign", "+1 where positive q turns x towards z", signs)
     ends = [*pairwise(joints), (joints[-1], "the end, not needed")]

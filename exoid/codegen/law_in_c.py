@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
@@ -47,18 +48,18 @@ class ArrayInC(NamedTuple):
     Attributes:
         name: Name in C; a table gets the prefix of the file.
         what: Comment with the unit.
-        values: Constants; for memory the values at the beginning. The shape is that in C.
+        values: Constants, real or whole; for memory the values at the beginning. The shape is that in C.
     """
 
     name: str
     what: str
-    values: FloatArray
+    values: NDArray[Any]
 
 
 class LegInC(NamedTuple):
     """Model of a leg inside a law."""
 
-    leg: Leg  # rigid bodies: a planar chain with its parameters
+    leg: Leg  # rigid bodies with their parameters
     springs: tuple[str, ...]  # torque of springs and offsets at each joint, as an expression in q[j], n of them
     friction: tuple[str, ...]  # torque of friction at each joint, as an expression in v[j], n of them
     rotor: tuple[str, ...]  # inertia that is not part of the bodies at each joint, as a constant expression, n of them

@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError
 from exoid.leg.reduction.planar import GRAVITY
 
 from .constants import Constants, constants_of_bodies
@@ -18,7 +18,8 @@ from .drives import commands_in_c
 from .law_in_c import ArrayInC, LawInC, LegInC, per_joint
 from .safety import Safety
 from .source import CSource
-from .templates import fill, initializer
+from .templates import fill
+from .tree import tree_in_c
 
 INSIDE: dict[str, frozenset[str]] = {
     "springs": frozenset({"springs"}),
@@ -66,19 +67,21 @@ def law_source(
         "safety": safety.describe(law.damping),
         "commands": [] if actuators is None else commands_in_c(actuators, dialect),
         "units": () if actuators is None else actuators.units,
-        "dimensions": lambda array: "".join(f"[{size}]" for size in array.values.shape),
     }
     called = () if law.leg is None else law.leg.needed
     kept = ("gravity", "springs") if safety.safe == "gravity" else ()
     needed = frozenset().union(*(INSIDE[function] for function in (*called, *kept)))
+    tree = None if law.leg is None else tree_in_c(law.leg.leg, law.leg.leg.parameters, dialect)
+    if tree is not None and "rigid" in needed:
+        needed |= {"turn"}  # one helper serves all functions of a tree
     inside = {
         **values,
         "needed": needed,
         "gravity": GRAVITY,
+        "tree": tree,
         "cumulative": law.leg is not None and law.leg.leg.cumulative,
         "tables": [] if law.leg is None else list(_tables(law.leg, needed, dialect)),
         "arrays": [*law.tables, *_settings(law, damping, n)],
-        "initial": lambda array: initializer(array.values, dialect),
         "initial_memory": "".join(_at_first(law.memory, dialect)),
         "plausible": lambda origin: _plausible(law, origin, prefix),
     }
@@ -113,12 +116,6 @@ def law_source(
 def _tables(leg: LegInC, needed: frozenset[str], dialect: Dialect) -> Iterator[Constants]:
     """Constants of the leg that the functions use; unused ones would be warnings."""
     bodies, joints = leg.leg, leg.leg.joint_names
-    if bodies.chain is None:
-        raise NotSupportedError(
-            "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",
-            where=bodies.description.name,
-            remedy="choose joints whose axes are horizontal and parallel (joints=...)",
-        )
     known = dict(zip(bodies.parameter_names, bodies.parameters.tolist(), strict=True))
     rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(joints, leg.rotor, strict=True)]
     tables = (

@@ -1,4 +1,4 @@
-"""One C99 file from a torque model and its values: fills the template ``planar_leg.c.jinja``."""
+"""One C99 file from a torque model and its values: fills the template ``leg.c.jinja``."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
-from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.leg.closure import refuse_loops
-from exoid.leg.leg_data import refuse_floating_base
+from exoid.errors import BadArgumentError
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.tools.json_values import named
 from exoid.torques import TorqueModel
@@ -22,6 +20,7 @@ from .drives import commands_in_c
 from .source import CSource
 from .templates import fill
 from .terms import TermsInC, terms_in_c
+from .tree import tree_in_c
 
 
 def leg_source(
@@ -33,21 +32,12 @@ def leg_source(
     provenance: Sequence[str],
     warnings: tuple[str, ...],
 ) -> CSource:
-    """Turn the torques of a planar leg into C99."""
+    """Turn the torques of a leg into C99."""
     prefix, leg = identifier(name), model.leg
-    refuse_floating_base(leg, "code of a leg")
-    refuse_loops(leg, "code of a leg")
-    if leg.chain is None:
-        raise NotSupportedError(
-            "only a planar chain of revolute joints under gravity of 9.81 m/s² has closed equations to write in C",
-            where=leg.description.name,
-            remedy="choose joints whose axes are horizontal and parallel (joints=...), or use Pinocchio's own code "
-            "generation on the URDF that exoid export -o writes",
-        )
     numbers = _checked(model, values)
     terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
     text = fill(
-        "planar_leg.c.jinja",
+        "leg.c.jinja",
         dialect,
         p=prefix,
         urdf=leg.description,
@@ -55,6 +45,7 @@ def leg_source(
         joints=leg.joint_names,
         cumulative=leg.cumulative,
         gravity=GRAVITY,
+        tree=tree_in_c(leg, numbers[: len(leg.parameter_names)], dialect),
         provenance=provenance,
         tables=list(_tables(model, numbers, terms, dialect)),
         terms=terms,

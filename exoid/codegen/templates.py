@@ -43,6 +43,8 @@ def _environment(dialect: Dialect) -> Environment:
     )
     environment.filters["comment"] = comment
     environment.globals.update(precision=dialect.real, number=dialect.number, function=dialect.function)
+    environment.globals["initial"] = lambda array: initializer(array.values, dialect)
+    environment.globals["dimensions"] = lambda array: "".join(f"[{size}]" for size in array.values.shape)
     return environment
 
 

@@ -32,13 +32,13 @@ def c_source(
     safety: Safety | None = None,
     actuators: Actuators | None = None,
 ) -> CSource:
-    """Turn the torques of a planar leg, or a control law, into C99, without writing files.
+    """Turn the torques of a leg, or a control law, into C99, without writing files.
 
     The functions of a leg compute τ = W(q, v, a) β of :class:`exoid.torques.TorqueModel`, whole and in parts. A law has
     one function for its step, with limits, a watchdog and a safe torque.
 
     Args:
-        source: Leg, a planar chain, and terms that have a form in C (:func:`register_c_form`); or a law or observer
+        source: Leg and terms that have a form in C (:func:`register_c_form`); or a law or observer
             that has a form in C: one with a method ``in_c``, which takes a :class:`Dialect` and returns a
             :class:`LawInC`.
         values: Parameters β of a leg in SI units, in the order of ``source.names``, (P,).
@@ -54,7 +54,7 @@ def c_source(
         Text of the files, with model or law.
 
     Raises:
-        ExoidError: The leg is not a planar chain, or its base floats; the law, a term or a drive has no form in C; the
+        ExoidError: The base of the leg floats; the law, a term or a drive has no form in C; the
             values are not P finite numbers; the safe torque does not fit; or a name or number cannot be written.
 
     Example:
@@ -87,7 +87,7 @@ def write_c(
     safety: Safety | None = None,
     actuators: Actuators | None = None,
 ) -> CSource:
-    """Write the torques of a planar leg as one C99 file, or a control law as one and a header beside it.
+    """Write the torques of a leg as one C99 file, or a control law as one and a header beside it.
 
     Limits of torque and rate are those of :class:`exoid.control.Limited` around the law.
 

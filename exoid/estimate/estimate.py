@@ -132,7 +132,7 @@ class Estimate(Report, EstimateData):
         return export_mjcf(self, path, pull=pull, mass_factor=mass_factor)
 
     def to_c(self, path: str | os.PathLike[str], *, precision: str = "double", name: str | None = None) -> CSource:
-        """Write the torques of a planar leg as one C99 file that needs nothing but ``<math.h>``.
+        """Write the torques of a leg as one C99 file that needs nothing but ``<math.h>``.
 
         Gravity, friction, springs and offsets, mass matrix, rigid bodies, and all together (:meth:`torque`) are
         functions ``<name>_gravity(q, tau)`` and so on, without state or allocation, for a microcontroller. With drives,
@@ -148,7 +148,7 @@ class Estimate(Report, EstimateData):
             What was written, which prints itself.
 
         Raises:
-            ExoidError: The leg is not a planar chain, a term has no form in C, or the file cannot be written.
+            ExoidError: The base of the leg floats, a term has no form in C, or the file cannot be written.
         """
         actuators, warnings = with_form_in_c(self.actuators)
         return write_c(

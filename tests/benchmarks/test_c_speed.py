@@ -12,11 +12,14 @@ import subprocess
 import numpy as np
 import pinocchio as pin
 import pytest
+from closed_machines import four_bar_knee
 from planar_chains import assert_relative, random_motion
 from turns import best_of_turns, show
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
+from exoid.codegen import c_source
+from exoid.torques import TorqueModel
 
 CALLS, ROUNDS = 20_000, 5
 RATIO = 1.0
@@ -68,11 +71,9 @@ def motion():
     return random_motion(np.random.default_rng(0), 3, CALLS, turns=0.5)
 
 
-@pytest.fixture(scope="module")
-def compiled(estimate, tmp_path_factory):
-    """The C of the leg, called in loops that are C too."""
-    folder = tmp_path_factory.mktemp("leg")
-    estimate.to_c(folder / "leg.c")
+def compile_loops(folder, source):
+    """The C of a leg, called in loops that are C too."""
+    (folder / "leg.c").write_text(source)
     (folder / "harness.c").write_text(HARNESS)
     flags = ("-std=c99", "-O2", "-shared", "-fPIC")
     subprocess.run([COMPILER, *flags, folder / "harness.c", "-o", folder / "leg.so", "-lm"], check=True)
@@ -85,6 +86,13 @@ def compiled(estimate, tmp_path_factory):
         return tau
 
     return run
+
+
+@pytest.fixture(scope="module")
+def compiled(estimate, tmp_path_factory):
+    """The C of BLEEX."""
+    folder = tmp_path_factory.mktemp("leg")
+    return compile_loops(folder, estimate.to_c(folder / "leg.c").text)
 
 
 def test_the_loop_in_c_computes_the_torque_of_the_estimate(estimate, compiled, motion):
@@ -107,3 +115,19 @@ def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(estimate, compile
     best = best_of_turns(works, ROUNDS)
     show(f"{CALLS:,} calls of a leg's torques", best, BARE)
     assert max(seconds for name, seconds in best.items() if name.endswith("in C")) <= RATIO * best[BARE]
+
+
+def test_a_four_bar_knee_in_c_costs_less_than_closing_its_loop_in_python(tmp_path):
+    """A call of Python's closes one pose; so does each call in C."""
+    leg = four_bar_knee(0).leg(tmp_path)
+    in_c = compile_loops(tmp_path, c_source(TorqueModel(leg, ()), leg.parameters).text)
+    motion = tuple(random_motion(np.random.default_rng(0), 2, 200, turns=0.05))
+    works = {
+        "four-bar knee, one pose at a time, in Python": lambda: [
+            leg.inverse_dynamics(*x) for x in zip(*motion, strict=True)
+        ],
+        "four-bar knee, in C": lambda: in_c("all_of_it", motion),
+    }
+    best = best_of_turns(works, ROUNDS)
+    show("200 calls of a closed leg's torques", best, next(iter(works)))
+    assert best["four-bar knee, in C"] < 0.1 * max(best.values())

@@ -10,21 +10,14 @@ from compiled import made_up, source_of
 from laws_of_bleex import KD, KP, model
 
 import exoid
-from exoid import Coulomb, Leg
+from exoid import Coulomb
 from exoid.codegen import Dialect, InputInC, LawInC, Safety, c_source, register_c_form, write_c, write_ros2
 from exoid.control import Limited, MomentumObserver, gravity_friction_pd, pd
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
-from exoid.leg.description import describe
 from exoid.torques import LoadFriction, Stribeck, TorqueModel
 
 CUHK = exoid.load_leg("cuhk")
-ESTIMATE = made_up(CUHK)
-
-
-def tilted() -> Leg:
-    """A hip that flexes and abducts: not planar."""
-    text = CUHK.description.text.replace('<axis xyz="0.0 1.0 0.0" />', '<axis xyz="1.0 0.0 0.0" />')
-    return Leg.from_description(describe(text, name="tilted.urdf"), ("left_hip", "left_knee"))
+ESTIMATE, FLOATING = made_up(CUHK), exoid.load_exo("cuhk", base="floating")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,8 +59,7 @@ HUGE = replace(ESTIMATE, values=np.where(np.arange(len(ESTIMATE.values)) == 0, 1
 LATE = MomentumObserver(model(), 8.0, 100.0, torque_delay=0.004)
 
 UNSUPPORTED = {
-    "leg that is not planar": lambda: made_up(tilted(), ()).to_c("leg.c"),
-    "law of such a leg": lambda: c_source(gravity_friction_pd(tilted(), 10.0, 1.0)),
+    "leg whose base floats": lambda: c_source(TorqueModel(FLOATING, ()), FLOATING.parameters),
     "friction that remembers": leg_of(Coulomb(presliding=1e-3)),
     "Stribeck friction that remembers": leg_of(Stribeck(presliding=1e-3)),
     "friction that depends on the load": leg_of(LoadFriction()),

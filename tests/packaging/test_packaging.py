@@ -152,7 +152,7 @@ def test_the_wheel_contains_urdfs_tables_logs_and_the_typing_marker(built):
     assert {f"exoid/urdf/{name}" for name in URDFS} <= names
     assert {"exoid/__init__.pyi", "exoid/py.typed"} <= names
     assert {"exoid/leg/published/bleex.toml", "exoid/leg/published/cuhk.toml"} <= names
-    assert "exoid/codegen/planar_leg.c.jinja" in names
+    assert "exoid/codegen/leg.c.jinja" in names
     assert {"exoid/signals/datasets/bleex_swing.csv", "exoid/signals/datasets/bleex_swing_test.csv"} <= names
     assert "exoid/view/scenes/page.html" in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
