@@ -1,7 +1,5 @@
 """Industrial arms: their legs' worth of everything beside rigid bodies, and motions within their limits."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path

@@ -5,8 +5,6 @@ request which would leave the machine fails as it would without a network: that 
 the request is in :attr:`Page.requests`, unless a frame in a process of its own makes it before Chromium reports on it.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import itertools

@@ -1,7 +1,5 @@
 """Machines with closed loops, of random proportions: a four-bar knee, a knee with a cylinder, an ankle on two rods."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What a scene's commands put where, worked out as a browser does: by the tree of paths."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,7 +1,5 @@
 """Both documents' experiments without a rig: exact poses and motions, torque from the regressor, noise if wanted."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass

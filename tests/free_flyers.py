@@ -1,7 +1,5 @@
 """A leg behind Pinocchio's free-flyer joint, with the pose, velocity and acceleration of its base in the world."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

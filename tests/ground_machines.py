@@ -1,7 +1,5 @@
 """Machines on the ground that tests share, and the equation of motion that their runs must obey."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Logs of every kind, written by the libraries that others write them with."""
 
-from __future__ import annotations
-
 import numpy as np
 import polars
 import scipy

@@ -1,7 +1,5 @@
 """A leg of one joint, and a log of it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from exoid import Leg, Recording

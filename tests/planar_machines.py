@@ -1,7 +1,5 @@
 """Random planar machines as URDF text: a torso with mass and several random chains, whose hips are anywhere."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Sessions of legs of one design whose joints differ in friction, and whose torque sensors differ in their zero."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

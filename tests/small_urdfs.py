@@ -1,7 +1,5 @@
 """Small URDFs as text: a good leg to spoil, two joints on a torso, and an arm."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from exoid import Leg

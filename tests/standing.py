@@ -1,7 +1,5 @@
 """Motions of an exoskeleton that stands: joint angles from the feet, torques from the equation of motion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

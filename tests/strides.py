@@ -1,7 +1,5 @@
 """A walker's stride without a file: hip and knee of document 2, with an ankle of two harmonics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

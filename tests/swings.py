@@ -1,7 +1,5 @@
 """Motions with known derivatives, and recordings of legs whose every parameter is known."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property

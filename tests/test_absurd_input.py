@@ -1,7 +1,5 @@
 """Input that is read, but that no leg, log or estimate can have: each ends in one line with its own cause."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from one_joint import URDF, swing, write_urdf

@@ -1,7 +1,5 @@
 """Pages of the docs as a browser shows them: no table, heading or terminal output that Markdown left as it was."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

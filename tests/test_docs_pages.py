@@ -4,8 +4,6 @@ Every page runs at night in an interpreter of its own, which has imported nothin
 test_shown_commands.py makes sure that no command is left out.
 """
 
-from __future__ import annotations
-
 import re
 
 import pytest

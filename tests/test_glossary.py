@@ -1,7 +1,5 @@
 """The glossary is alphabetical, and the names of the API in it exist."""
 
-from __future__ import annotations
-
 import importlib
 import inspect
 import re

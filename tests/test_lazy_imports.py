@@ -1,7 +1,5 @@
 """Names of ``exoid`` are imported when they are first used, each in an interpreter that has seen nothing else."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

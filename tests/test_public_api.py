@@ -1,7 +1,5 @@
 """What is public exists, is documented and annotated, and its examples are true."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import inspect

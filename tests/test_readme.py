@@ -1,7 +1,5 @@
 """The README's Python and its commands run as they stand, in a folder that has what its reader is assumed to have."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run_commands, shell_commands

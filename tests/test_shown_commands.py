@@ -1,7 +1,5 @@
 """No command is shown that nothing runs: ``exoid`` by the test of its page, any other by a place that a table names."""
 
-from __future__ import annotations
-
 import re
 import shlex
 

@@ -1,7 +1,5 @@
 """Virtual logs of a leg on a base that moves as a walking wearer's torso does, with an IMU on it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

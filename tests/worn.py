@@ -1,7 +1,5 @@
 """Logs of a leg on which a wearer acts with a known torque."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rigs with a wearer: logs of the leg alone, with a passive limb, and with an active wearer, and the true torque."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

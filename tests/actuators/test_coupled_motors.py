@@ -1,7 +1,5 @@
 """Couplings and series springs: virtual work, powers, inverses, and friction of motors as terms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Drives as TOML files: what is written is read again, and every mistake is an error that names its place."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import string

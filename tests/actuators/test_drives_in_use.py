@@ -1,7 +1,5 @@
 """Logs of currents and forces are identified, validated, checked, controlled and reported like logs of torques."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

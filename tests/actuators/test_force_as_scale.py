@@ -1,7 +1,5 @@
 """A measured force on a link is known in N: with it torque constants, efficiencies and loads of gears are found."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

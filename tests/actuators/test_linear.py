@@ -1,7 +1,5 @@
 """Cylinders: virtual work, Pinocchio's geometry, tables, and points that cannot be."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

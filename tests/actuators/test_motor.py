@@ -1,7 +1,5 @@
 """A motor's current becomes torque by its constants, and power is never created by a gear."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

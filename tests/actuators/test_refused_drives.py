@@ -1,7 +1,5 @@
 """Drives that cannot be, and files that describe none, are refused: the kind of the error, and its place."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 CI runs few seeds; ``python scripts/study_drives.py`` prints the tables of docs/drives.md.
 """
 
-from __future__ import annotations
-
 import os
 import runpy
 from dataclasses import replace

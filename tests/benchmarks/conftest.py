@@ -1,7 +1,5 @@
 """Figures mean nothing without the machine: ``pytest tests/benchmarks -s`` says first where it runs."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import os
 import platform

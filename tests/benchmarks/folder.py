@@ -4,8 +4,6 @@
 temporary folder (2.8 GB), identifies them in a process of its own, and prints JSON with its peak of memory.
 """
 
-from __future__ import annotations
-
 import json
 import resource
 import subprocess

@@ -4,8 +4,6 @@
 ``python tests/benchmarks/million.py 1000000 default`` does so with the default terms, which take reversals out.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

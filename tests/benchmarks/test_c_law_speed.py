@@ -3,8 +3,6 @@
 ``pytest tests/benchmarks/test_c_law_speed.py -s`` prints the times.
 """
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

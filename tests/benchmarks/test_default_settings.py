@@ -5,8 +5,6 @@ samples. exoid derives velocities, filters, takes reversals out, weighs, models 
 checks the log. The loop gets velocities and accelerations for nothing, and does none of this.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from million import recording

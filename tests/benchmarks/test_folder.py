@@ -3,8 +3,6 @@
 ``python tests/benchmarks/folder.py 50 1000000`` does it with fifty million samples.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

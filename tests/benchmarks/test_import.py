@@ -3,8 +3,6 @@
 ``pytest tests/benchmarks/test_import.py -s`` prints them; ``scripts/measure_import.py`` has those of whole processes.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -5,8 +5,6 @@ covariance block by block, on orthogonal factorisations, which need no refinemen
 beyond (a model of the noise, diagnostics, a hash of the data) has no counterpart in the loop.
 """
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 from functools import cache

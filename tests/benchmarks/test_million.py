@@ -3,8 +3,6 @@
 ``pytest tests/benchmarks/test_million.py -s`` prints the figures.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

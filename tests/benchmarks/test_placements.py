@@ -3,8 +3,6 @@
 ``pytest tests/benchmarks/test_placements.py -s`` prints the ratio.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from turns import best_of_turns, show

@@ -3,8 +3,6 @@
 ``pytest tests/benchmarks/test_regressor.py -s`` prints the ratios; FIGAROH's if ``pip install figaroh`` was run before.
 """
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 import warnings

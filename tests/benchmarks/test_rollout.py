@@ -5,8 +5,6 @@ exactly and our step is of second order; MuJoCo's friction is its softened const
 Euler, both as by default.
 """
 
-from __future__ import annotations
-
 import mujoco
 import mujoco.rollout
 import numpy as np

@@ -4,8 +4,6 @@
 base that floats, in the sagittal plane or with all six degrees of freedom.
 """
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 from collections.abc import Callable

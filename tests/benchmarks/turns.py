@@ -1,7 +1,5 @@
 """Times that can be compared: several works in one process, in turns, the best of each."""
 
-from __future__ import annotations
-
 import gc
 import math
 import time

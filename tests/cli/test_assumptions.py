@@ -1,7 +1,5 @@
 """What is known beside the logs, and estimates side by side, on the command line."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

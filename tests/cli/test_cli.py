@@ -1,7 +1,5 @@
 """The command line does what the Python API does, and ends in one line when it cannot."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

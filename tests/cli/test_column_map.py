@@ -1,7 +1,5 @@
 """``--columns LAB.TOML``: a laboratory writes its columns once."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Options of the commands that say how columns of a log are to be read."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

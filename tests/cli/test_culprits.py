@@ -1,7 +1,5 @@
 """Errors of the command name all that is wrong at once, and what is full."""
 
-from __future__ import annotations
-
 import os
 import signal
 

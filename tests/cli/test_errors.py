@@ -1,7 +1,5 @@
 """Whatever happens, a command ends in one line."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

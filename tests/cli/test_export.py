@@ -1,7 +1,5 @@
 """``exoid export`` writes what ``Estimate.to_urdf`` writes, and says so."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """``exoid export --law`` writes what ``exoid.codegen.write_c`` writes, with the defaults of ``exoid track``."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Folders of logs on the command line."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

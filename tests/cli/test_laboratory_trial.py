@@ -1,7 +1,5 @@
 """A trial of a gait laboratory on the command line: angles, torques and ground forces in files of their own."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

@@ -1,7 +1,5 @@
 """The commands read logs of every kind alike."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every verb works on a leg of one joint."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

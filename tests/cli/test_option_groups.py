@@ -1,7 +1,5 @@
 """Options that several verbs have are declared once, as a named tuple."""
 
-from __future__ import annotations
-
 import inspect
 from typing import Annotated, NamedTuple, get_origin
 

@@ -1,7 +1,5 @@
 """No verb writes over what it reads, or into what is no file."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Several logs with parameters of their own, on the command line."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

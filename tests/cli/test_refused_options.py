@@ -1,7 +1,5 @@
 """Options of each verb that make no sense: one line with what is wrong, and no file is written or changed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from controlled_legs import LEG, estimate_of, exact_estimate

@@ -1,7 +1,5 @@
 """Files and folders that cannot be read end in one line that names them, whatever the verb."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The command line imports a verb when it is called, and lists all verbs without."""
 
-from __future__ import annotations
-
 import inspect
 import os
 import shlex

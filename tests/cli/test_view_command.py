@@ -1,7 +1,5 @@
 """``exoid view`` shows what its words say, or ends in one line."""
 
-from __future__ import annotations
-
 import json
 import re
 from functools import partial

@@ -1,7 +1,5 @@
 """Wrong uses of the command line: each is one line with the cause, the place, and a remedy that works."""
 
-from __future__ import annotations
-
 import shutil
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Estimates with known values, and the C of a leg compiled and called from Python."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Laws compiled together into one library or program, and called from Python over many samples."""
 
-from __future__ import annotations
-
 import ctypes
 import subprocess
 from collections.abc import Mapping, Sequence

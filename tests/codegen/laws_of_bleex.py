@@ -1,7 +1,5 @@
 """Laws of a BLEEX leg with many terms, for tests of their C."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The firmware of examples/stm32, built by its Makefile and run on an emulated processor, with or without a leg."""
 
-from __future__ import annotations
-
 import shutil
 import struct
 import sys

@@ -1,7 +1,5 @@
 """Commands of drives in C are those of Python, and friction of coupled motors too."""
 
-from __future__ import annotations
-
 import ctypes
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The C file: strict C99, no state, tells where it comes from, and is refused where it would be wrong."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from dataclasses import replace

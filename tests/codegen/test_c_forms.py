@@ -1,7 +1,5 @@
 """A term from outside exoid says how it looks in C, and computes there what it computes in Python."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

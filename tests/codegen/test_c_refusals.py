@@ -1,7 +1,5 @@
 """What has no form in C is refused by kind, before anything is written."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

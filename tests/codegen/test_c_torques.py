@@ -1,7 +1,5 @@
 """What the C computes is what Pinocchio and the estimate compute."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Laws in C compute what they compute in Python, and end in the safe torque whatever the input."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

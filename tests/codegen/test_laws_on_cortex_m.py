@@ -3,8 +3,6 @@
 ``pytest -m nightly tests/codegen/test_laws_on_cortex_m.py -s`` prints the instructions.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from compiled_laws import records

@@ -1,7 +1,5 @@
 """The page on microcontrollers does what it says: its commands, its program and its output."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

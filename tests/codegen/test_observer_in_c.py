@@ -1,7 +1,5 @@
 """Observers in C read the torque that they read in Python."""
 
-from __future__ import annotations
-
 import ctypes
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A law from outside exoid says how it looks in C, with memory of its own."""
 
-from __future__ import annotations
-
 import ctypes
 from dataclasses import dataclass
 from typing import NamedTuple

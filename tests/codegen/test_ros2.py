@@ -1,7 +1,5 @@
 """The package for ROS 2 compiles against stub headers; its controller and node command what the law in Python does."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The example for an STM32 commands the currents of Python's law, and is safe when frames are late or missing."""
 
-from __future__ import annotations
-
 import re
 import shutil
 

@@ -1,7 +1,5 @@
 """The first hour of a doctoral student: a URDF of a CAD program, a log in ms, degrees and amperes, five commands."""
 
-from __future__ import annotations
-
 import subprocess
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Settings and inputs that controllers refuse, with the kind of the error."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

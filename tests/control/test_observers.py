@@ -1,7 +1,5 @@
 """Observers read what a wearer does to a leg: exact dynamics, stated delay and band, honest alarms, refused logs."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

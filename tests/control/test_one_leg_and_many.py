@@ -1,7 +1,5 @@
 """Every law is a pure function, and gives many legs at once what each gets alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from controlled_legs import cuhk_plant, exact_estimate

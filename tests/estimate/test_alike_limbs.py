@@ -1,7 +1,5 @@
 """Limbs that are alike: equal ones share parameters, others are named, and other designs are refused."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Links of exported URDFs are near the URDF's own, and simulators find the torques in them; else nothing is written."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import mujoco

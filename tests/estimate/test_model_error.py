@@ -1,7 +1,5 @@
 """Bands of predicted torque where friction is not of the form of the terms, inside and beyond the training's motion."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """MuJoCo finds the torques of an estimate in its file: rigid bodies, rotors and friction."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mujoco

@@ -1,7 +1,5 @@
 """A band of predicted torque contains as many new torques as it says."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from swings import TERMS, Swing

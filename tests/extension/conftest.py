@@ -1,7 +1,5 @@
 """The package exoid_springs in this process."""
 
-from __future__ import annotations
-
 import pytest
 from springs import load_module, swing_with_stops
 

@@ -1,7 +1,5 @@
 """The package exoid_springs, and logs of a leg with its end stops."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """docs/extending.md shows the code of the package, and its script runs as it stands."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

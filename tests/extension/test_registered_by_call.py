@@ -1,7 +1,5 @@
 """What a script registers works like what exoid brings along; what no file can hold is refused unwritten."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Closed legs through the whole way: identify, check, save, export, command line, controllers, scenes."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

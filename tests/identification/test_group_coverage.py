@@ -1,7 +1,5 @@
 """Intervals of legs identified together contain the truth as often as they say, and equal parameters rarely differ."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Groups that do not belong together are refused, with the name of the group and what to do."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

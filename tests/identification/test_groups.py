@@ -1,7 +1,5 @@
 """Several legs or sessions at once: shared parameters gain, own ones stay apart, in one least-squares problem."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import weakref

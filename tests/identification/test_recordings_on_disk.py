@@ -1,7 +1,5 @@
 """Recordings on disk give the estimate of the same recordings in memory."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from log_writers import write_parquet

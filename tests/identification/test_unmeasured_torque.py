@@ -1,7 +1,5 @@
 """Joints whose torque was not measured move and give no rows; passive joints give rows of a torque that is zero."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import re

@@ -1,7 +1,5 @@
 """Closed loops: Pinocchio's constrained dynamics and finite differences are the truth."""
 
-from __future__ import annotations
-
 import tempfile
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Loads that are strapped on: found in slow gaits and early, never named wrongly, and taken off again."""
 
-from __future__ import annotations
-
 import runpy
 from dataclasses import replace
 from pathlib import Path

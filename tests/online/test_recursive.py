@@ -1,7 +1,5 @@
 """The recursive estimator: equal to the batch, in constant memory, and undisturbed by what streams bring."""
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 from pathlib import Path

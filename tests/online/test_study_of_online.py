@@ -1,7 +1,5 @@
 """What the study of online estimation promises, with few seeds: ``python scripts/study_online.py`` has all."""
 
-from __future__ import annotations
-
 import os
 import runpy
 from pathlib import Path

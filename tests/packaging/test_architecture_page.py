@@ -1,7 +1,5 @@
 """The picture in docs/architecture.md shows the imports of the packages as they are."""
 
-from __future__ import annotations
-
 import runpy
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Each room keeps its budget of lines: a change that exceeds it pays with lines of the same room."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """exoid works wherever it was installed from: wheel, source distribution, editable, plain source tree."""
 
-from __future__ import annotations
-
 import ast
 import email
 import os

@@ -1,7 +1,5 @@
 """The comparison with other tools: its judgement reads models rightly, and the page states what the scripts have."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import sys

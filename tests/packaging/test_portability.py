@@ -1,7 +1,5 @@
 """exoid runs on Linux and macOS: what only one system has is called in one place, behind a look at the system."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

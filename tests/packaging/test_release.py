@@ -1,7 +1,5 @@
 """What a release states in several files agrees: version, date, dependencies, versions of Python, names."""
 
-from __future__ import annotations
-
 import json
 import re
 import runpy

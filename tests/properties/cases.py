@@ -1,7 +1,5 @@
 """How many cases each property is tried on: 480 in all, or as many as ``EXOID_PROPERTY_CASES`` says."""
 
-from __future__ import annotations
-
 import functools
 import os
 from collections import Counter

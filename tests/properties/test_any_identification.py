@@ -1,7 +1,5 @@
 """Properties of terms and estimators on any leg, motion and parameters."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whatever a file or an array holds, there is a result that can be trusted or one error of one line."""
 
-from __future__ import annotations
-
 import json
 import math
 import tempfile

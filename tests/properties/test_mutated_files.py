@@ -1,7 +1,5 @@
 """Mutated files of every kind end in a result or one line; ``scripts/mutate_files.py`` reads 20 000 of each."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import subprocess

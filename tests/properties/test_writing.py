@@ -1,7 +1,5 @@
 """Writers that are killed, that run out of disk or of rights, or that meet another of their kind."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal

@@ -1,7 +1,5 @@
 """What is known beside the recordings: parameters held fixed, priors, and signs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from swings import TERMS, Swing

@@ -1,7 +1,5 @@
 """Rows made stretch by stretch give the estimate of rows made at once, whatever goes over them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from swings import TERMS, Swing

@@ -1,7 +1,5 @@
 """Readers that misbehave, for the child process that reads files."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,5 @@
 """Currents and forces of logs; scale, zero and unit of columns; numbers behind a comment; joints without torque."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

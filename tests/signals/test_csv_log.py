@@ -1,7 +1,5 @@
 """CSV logs: what was written comes back bit by bit, and whatever is wrong is named."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Finite differences: exact on polynomials, of the promised order elsewhere."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """What drives measure (currents, forces, motor torques and angles) is kept, read and written alike."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Low-pass filters against closed forms and measured frequency responses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

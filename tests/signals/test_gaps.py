@@ -1,7 +1,5 @@
 """Gaps and repeated stamps: a log is split there, if asked for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

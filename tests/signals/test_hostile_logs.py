@@ -1,7 +1,5 @@
 """Logs that were made to crash programs or to fill the memory: each ends in one line, and the caller goes on."""
 
-from __future__ import annotations
-
 import io
 import os
 import signal

@@ -1,7 +1,5 @@
 """Logs that are not CSV: what other libraries wrote comes back bit by bit, and whatever is wrong is named."""
 
-from __future__ import annotations
-
 import dataclasses
 import datetime
 import hashlib

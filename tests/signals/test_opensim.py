@@ -1,7 +1,5 @@
 """Files of OpenSim: headers of every version, degrees, force plates, the pelvis, and what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

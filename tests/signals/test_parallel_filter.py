@@ -1,7 +1,5 @@
 """The parallel filter is the zero-phase filter, worked out at some rows only."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

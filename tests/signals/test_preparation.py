@@ -1,7 +1,5 @@
 """From recordings to kinematics: accurate inside the valid rows, known to be bad outside."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

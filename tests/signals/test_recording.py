@@ -1,7 +1,5 @@
 """A recording is checked when it is made and does not change afterwards."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """What no recording can be is refused: the kind of the error, and its evidence (row, column, file)."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from functools import partial

@@ -1,7 +1,5 @@
 """Uneven stamps: how they are recognised, resampled, and refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """Outputs never replace an input, keep links and modes, and survive other writers."""
 
-from __future__ import annotations
-
 import os
 import stat
 import threading

@@ -1,7 +1,5 @@
 """Names that other packages add to: taken ones are refused, unknown ones are named."""
 
-from __future__ import annotations
-
 import pytest
 
 from exoid.errors import ExoidError

@@ -1,7 +1,5 @@
 """Settings in files: what was written comes back exactly, and what cannot be written is refused before."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Terms that depend on several joints and act on several, through every step of exoid."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from swings import Swing

@@ -1,7 +1,5 @@
 """Terms and models that make no sense are refused: the kind of the error, with what to do."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The report of an identification in a real Chromium: on a screen, and on a phone."""
 
-from __future__ import annotations
-
 import base64
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """A scene draws the leg where Pinocchio says it is, with its inertias and forces, whatever URDF it comes from."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Scenes in a real Chromium: drawn by WebGL, without an error, without a network request."""
 
-from __future__ import annotations
-
 import json
 import time
 

@@ -1,7 +1,5 @@
 """Controls of a scene in a real Chromium: keys, speed, numbers, torque plot, dark scheme, phone, paper."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Meshes of every format are read with their colours; names and files that are not as they should be become notes."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

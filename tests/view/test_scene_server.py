@@ -1,7 +1,5 @@
 """The scene's server is reached from this machine only, and leaves nothing behind."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import os

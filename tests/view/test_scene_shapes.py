@@ -1,7 +1,5 @@
 """Links are drawn by their URDF; links without visuals, or with missing meshes, get placeholders."""
 
-from __future__ import annotations
-
 import json
 import re
 import warnings

@@ -1,7 +1,5 @@
 """A scene of a leg that stands: feet stay on the ground, arrows are the forces of the ground."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

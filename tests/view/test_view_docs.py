@@ -1,7 +1,5 @@
 """docs/view.md is true: its commands and its Python run as they stand."""
 
-from __future__ import annotations
-
 import pytest
 from doc_pages import Page
 

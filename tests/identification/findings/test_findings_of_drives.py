@@ -1,7 +1,5 @@
 """Wrong attachment points are found in the example log, and right ones are not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

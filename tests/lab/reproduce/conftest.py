@@ -1,7 +1,5 @@
 """Each replay runs once in a process, for all that is tested about it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from html_pages import check

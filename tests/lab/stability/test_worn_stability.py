@@ -1,7 +1,5 @@
 """Stability of worn legs: linearised loops against independent integration, closed solutions and other code."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple

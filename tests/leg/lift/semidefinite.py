@@ -1,7 +1,5 @@
 """The lift as semidefinite programs: an oracle of another kind."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import cvxpy as cp

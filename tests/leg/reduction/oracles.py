@@ -3,8 +3,6 @@
 They share nothing with the library: neither complex numbers nor regressors nor Pinocchio.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """A real machine: the DFKI double pendulum, 48 s to identify from and 25 s that the estimate has not seen."""
 
-from __future__ import annotations
-
 import dataclasses
 import shutil
 from pathlib import Path

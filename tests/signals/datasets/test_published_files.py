@@ -1,7 +1,5 @@
 """Published files are fetched at a commit, checked by their hash, and found where they were put."""
 
-from __future__ import annotations
-
 import pooch
 import pytest
 

@@ -1,7 +1,5 @@
 """The study of the test stand: its model is Pinocchio's, it can be turned round, and its figures are the page's."""
 
-from __future__ import annotations
-
 import dataclasses
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A real leg whose torque is a command: units and signs are those of a pendulum, and an estimate predicts its chirp."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

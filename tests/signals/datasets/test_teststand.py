@@ -1,7 +1,5 @@
 """A real leg on a force sensor: the files fit together, and the signs of the force are those of a force on the foot."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """Heel and toe of a foot: links of their own, merged to a flat foot, and left with the directions they hold."""
 
-from __future__ import annotations
-
 import runpy
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Feet that rest on a point or an edge: Pinocchio's constrained dynamics obey the rows that are left of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

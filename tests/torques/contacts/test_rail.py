@@ -1,7 +1,5 @@
 """A leg on a rail: its base is free along one axis, and its foot rests on a point of the ground."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """A machine on a hook, and one in flight: what each determines, and what is refused."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from functools import cache
