@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.errors import ExoidError
-from exoid.signals import Recording
 
 LEG = exoid.load_leg("cuhk")
 PLACE = (0.0, 0.0, -0.3)
@@ -62,12 +60,6 @@ def test_one_column_of_a_load_cell_gives_torque_constants(exoid_, tmp_path, colu
     assert data["shapes"]["values"]["kt_hip"] == pytest.approx(0.07, rel=0.01)
     assert data["shapes"]["values"]["kt_knee"] == pytest.approx(0.05, rel=0.01)
     assert data["values"]["X2"] == pytest.approx(LEG.parameters[3], rel=0.02)
-
-
-def test_some_columns_of_a_sensor_of_six_axes_are_refused(tmp_path, columns):
-    write(tmp_path / "log.csv", columns | {"wrench_left_shank_fz": columns["time"]})
-    with pytest.raises(ExoidError, match="lacks wrench_left_shank_fy, wrench_left_shank_mx"):
-        Recording.from_csv(tmp_path / "log.csv", joint_names=LEG.joint_names)
 
 
 def test_a_joint_may_turn_round_and_round_if_one_says_so(exoid_, tmp_path, monkeypatch):

@@ -197,25 +197,7 @@ def test_validate_against_a_constant_torque_prints_json_that_is_json(exoid_, dat
     assert json.loads(run.out, parse_constant=pytest.fail)["nrmse"] == [None, None, None]
 
 
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_the_real_recording_from_end_to_end(exoid_):
-    """As the README shows it."""
-    run = exoid_("identify", "dfki_double_pendulum", "dfki_double_pendulum:train", "-o", "leg.json")
-    assert run.code == 0
-    run = exoid_("validate", "leg.json", "dfki_double_pendulum:test")
-    assert "shoulder" in run.out
-    found = json.loads(exoid_("validate", "leg.json", "dfki_double_pendulum:test", "--json").out)
-    print(run.out)
-    shoulder, elbow = found["nrmse"]
-    assert shoulder <= 0.067
-    assert elbow <= 0.149
-
-
 # ------------------------------------------------------------------------------------------- usage
-
-
-def test_version(exoid_):
-    assert exoid_("--version") == (0, f"exoid {exoid.__version__}\n", "")
 
 
 # ------------------------------------------------------------------------------------------- as a process

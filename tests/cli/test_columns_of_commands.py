@@ -19,23 +19,6 @@ def values(exoid_, *arguments):
     return json.loads(out)["values"]
 
 
-def write(path, names, columns):
-    rows = [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
-    path.write_text("\n".join([",".join(names), *rows]))
-
-
-def test_units_scales_and_zeros_give_the_estimate_of_the_same_log_in_si(exoid_, recording, tmp_path):
-    recording.to_csv(tmp_path / "si.csv")
-    names, columns, options = ["stamp"], [1e3 * recording.time], ["--column", "time=stamp:ms"]
-    for k, joint in enumerate(recording.joint_names):
-        names += [f"enc{k}", f"cur:{k}"]
-        columns += [np.rad2deg(recording.q[:, k]), 2.5 - recording.tau[:, k] / 0.118]
-        options += ["--column", f"q_{joint}=enc{k}:deg", "--column", f"tau_{joint}=cur:{k}:-0.118:2.5"]
-    write(tmp_path / "raw.csv", names, columns)
-    expected, found = values(exoid_, "si.csv"), values(exoid_, "raw.csv", *options)
-    np.testing.assert_allclose(list(found.values()), list(expected.values()), rtol=1e-5, atol=1e-6)
-
-
 def test_a_joint_without_torque_and_a_dead_channel_give_the_same_estimate(exoid_, recording, tmp_path):
     tau = np.array(recording.tau)
     tau[:, 2] = np.nan

@@ -33,14 +33,6 @@ def test_export_as_json_says_what_is_in_the_file(saved, exoid_):
     assert json.loads(out) == json.loads(json.dumps(saved.to_urdf("leg.urdf").to_json()))
 
 
-def test_export_prints_masses_beside_those_of_the_urdf(saved, exoid_):
-    _, out, _ = exoid_("export", "est.json", "-o", "leg.urdf")
-    export = saved.to_urdf("again.urdf")
-    for mass in export.masses:
-        assert f"{mass.before:.4g}" in out
-        assert f"{mass.after:.4g}" in out
-
-
 def test_export_refuses_masses_beyond_a_factor_and_allows_them_by_one(saved, tmp_path, exoid_):
     tight = ("--mass-factor", "1.0001")
     code, out, err = exoid_("export", "est.json", "-o", "leg.urdf", *tight)
@@ -60,10 +52,3 @@ def test_export_writes_c_and_says_so(saved, tmp_path, exoid_):
     assert (text, out) == (expected.text, f"{expected}\n")
     assert "double leg_real" in text
     assert not (tmp_path / "leg.urdf").exists()
-
-
-def test_export_of_c_in_single_precision_as_json(saved, tmp_path, exoid_):
-    code, out, err = exoid_("export", "est.json", "--c", "leg.c", "--precision", "float", "--json")
-    assert (code, err) == (0, "")
-    assert json.loads(out) == json.loads(json.dumps(saved.to_c("leg.c", precision="float").to_json()))
-    assert "float leg_real" in (tmp_path / "leg.c").read_text()

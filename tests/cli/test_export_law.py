@@ -148,12 +148,6 @@ def test_a_leg_without_a_gait_gets_the_gains_of_its_zero_pose(exoid_, tmp_path):
         assert code == 0, err
 
 
-def test_without_law_the_file_is_that_of_the_leg(saved, exoid_, tmp_path):
-    exoid_("export", "est.json", "--c", "leg.c")
-    assert (tmp_path / "leg.c").read_text() == saved.to_c("again.c", name="leg").text
-    assert not (tmp_path / "leg.h").exists()
-
-
 def test_pd_controls_the_joints_of_the_estimate_in_ros_2(saved, exoid_, tmp_path):
     """PD control needs no model, and a controller of "joint 0" none of the machine's."""
     assert exoid_("export", "est.json", "--law", "pd", "--ros2", "leg")[0] == 0

@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from html_pages import undrawn
 
 import exoid
 
@@ -38,11 +37,3 @@ def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
     code, out, _ = exoid_("identify", "bleex", "logs", "--no-check", "--own", "offset")
     assert code == 0
     assert "offset_hip[part.10]" in out
-
-
-@pytest.mark.slow
-def test_a_report_of_a_folder_is_written(exoid_, folder, tmp_path):
-    with undrawn():
-        code, _, _ = exoid_("identify", "bleex", "logs", "--no-check", "--report", "page.html")
-    assert code == 0
-    assert "part.10.csv" in (tmp_path / "page.html").read_text(encoding="utf-8")

@@ -59,12 +59,3 @@ def test_strides_give_the_phase(interaction):
     gait = json.loads(out)["gait"]
     assert gait["period"] == 2.0
     assert len(gait["phase"]) == len(gait["joints"]["left_hip"]["power"]) == 20
-
-
-@pytest.mark.slow
-def test_the_report_is_one_page_with_the_torque(interaction, tmp_path):
-    path = tmp_path / "report.html"
-    assert interaction("worn.csv", "--report", str(path))[0] == 0
-    page = path.read_text(encoding="utf-8")
-    assert "torque of the wearer" in page
-    assert "Worn: something acts on" in page

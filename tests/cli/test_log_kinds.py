@@ -1,8 +1,5 @@
 """The commands read logs of every kind alike."""
 
-import json
-
-import numpy as np
 import pytest
 from log_writers import WRITERS, messages, write_bag
 
@@ -12,27 +9,6 @@ import exoid
 @pytest.fixture(scope="module")
 def recording():
     return exoid.datasets.bleex_swing().train
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", WRITERS)
-def test_a_log_of_any_kind_gives_the_estimate_of_the_same_log_as_csv(exoid_, recording, kind, tmp_path):
-    recording.to_csv(tmp_path / "log.csv")
-    WRITERS[kind](tmp_path / kind, recording)
-    estimates = []
-    for name in ("log.csv", kind):
-        code, out, err = exoid_("identify", "bleex", name, "--json")
-        assert (code, err) == (0, "")
-        estimates.append(list(json.loads(out)["values"].values()))
-    np.testing.assert_allclose(estimates[1], estimates[0], rtol=1e-9)
-    code, out, _ = exoid_("validate", save(exoid_), kind)
-    assert code == 0
-    assert f"Prediction of {kind}" in out
-
-
-def save(exoid_):
-    exoid_("identify", "bleex", "log.csv", "-o", "leg.json")
-    return "leg.json"
 
 
 def test_the_topic_and_the_stamps_of_a_bag_are_options(exoid_, recording, tmp_path):

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import exoid
-from exoid.cli import main
 
 IDENTIFY = ("identify", "leg.urdf", "logs/log.csv", "--joints", "left_hip,left_knee,left_ankle")
 
@@ -28,19 +27,14 @@ def inputs(tmp_path_factory):
 
 
 @pytest.fixture
-def run(inputs, tmp_path, monkeypatch, capsys):
+def run(inputs, tmp_path, exoid_):
     """Run a verb beside copies of the inputs; return the line on standard error after it was refused with status 2."""
     shutil.copytree(inputs, tmp_path, dirs_exist_ok=True)
-    monkeypatch.chdir(tmp_path)
 
     def _run(*words):
         before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-        monkeypatch.setattr("sys.argv", ["exoid", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        line = capsys.readouterr().err
-        assert ended.value.code == 2, line
-        assert line.count("\n") == 1
+        code, _, line = exoid_(*words)
+        assert (code, line.count("\n")) == (2, 1), line
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
         return line
 

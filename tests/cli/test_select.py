@@ -2,14 +2,12 @@
 
 import json
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import exoid
 from exoid import Estimate
 from exoid.cli import app
-from exoid.identification import select_terms
 
 TRAIN = ("bleex_swing", "bleex_swing:train")
 FEW = ("--folds", "3", "--stop", "8")
@@ -22,16 +20,6 @@ def run(tmp_path_factory):
     result = CliRunner().invoke(app, ["select", *TRAIN, *FEW, "-o", str(path), "--json"], catch_exceptions=False)
     assert result.exit_code == 0, result.output
     return json.loads(result.stdout), path
-
-
-@pytest.mark.nightly
-def test_json_is_all_there_is_on_standard_output_and_equals_the_api(run):
-    data, _ = run
-    log = exoid.datasets.bleex_swing()
-    selection = select_terms(log.leg, log.train.between(0.0, 8.0), folds=3)
-    assert data["chosen"] == selection.candidate.name
-    assert [each["name"] for each in data["candidates"]][:2] == ["coulomb", "by joint"]
-    np.testing.assert_allclose(data["candidates"][0]["folds"], selection.candidates[0].folds, rtol=1e-9)
 
 
 @pytest.mark.slow

@@ -221,10 +221,3 @@ def test_every_controller_has_a_dry_run(track, saved, logged, law):
     assert (data["law"], data["rate"]) == (law, 100.0)
     if law == "feedforward_pd":  # the model of the log's own controller
         assert data["rms_difference"][0] < 0.1 * data["rms_recorded"][0]
-
-
-@pytest.mark.parametrize("option", [("--law", "pd"), ("--limit", 3), ("--slew", 3), ("-o", "x.csv")])
-def test_options_of_a_dry_run_need_a_log(track, saved, option):
-    code, _, err = track(saved, *option)
-    assert code == 2
-    assert "there is no --dry-run" in err

@@ -128,11 +128,6 @@ def test_the_comment_says_where_the_numbers_come_from():
         assert f" {unit}, well determined" in head
 
 
-def test_the_same_estimate_gives_the_same_file():
-    assert source_of(ESTIMATE).sha256 == source_of(made_up(CUHK)).sha256
-    assert source_of(ESTIMATE).sha256 != source_of(made_up(CUHK, seed=1)).sha256
-
-
 @needs_compiler
 def test_no_name_can_break_out_of_a_comment(tmp_path):
     nasty = '*/ #error "out" /*??/\\\n é \x07*\x00/'
@@ -159,15 +154,6 @@ def test_a_model_needs_no_estimate_and_no_provenance(tmp_path):
     assert source.to_json()["values"]["d_knee"] == 2.0
 
 
-def test_provenance_and_warnings_stand_where_they_belong():
-    model = TorqueModel(CUHK, ())
-    source = c_source(model, CUHK.parameters, provenance=("From CAD.", "", "  see */ drawing 7"), warnings=("old",))
-    assert " * From CAD.\n *\n *   see * / drawing 7\n */\n" in source.text
-    assert "old" not in source.text
-    assert "warning: old" in str(source).splitlines()
-    assert source.to_json()["warnings"] == ["old"]
-
-
 @needs_compiler
 def test_labels_that_are_alike_do_not_shorten_a_table(tmp_path):
     """From "x" to "y to z", and from "x to y" to "z": the same text twice."""
@@ -176,14 +162,6 @@ def test_labels_that_are_alike_do_not_shorten_a_table(tmp_path):
     c = CompiledLeg(c_source(TorqueModel(leg, ()), leg.parameters), tmp_path)
     motion = random_motion(np.random.default_rng(0), 4)
     assert_relative(c("rigid_bodies", *motion), leg.inverse_dynamics(*motion), 1e-12)
-
-
-def test_constants_are_written_to_the_last_bit():
-    text = source_of(ESTIMATE).text
-    for value in ESTIMATE.values:
-        assert f"    {float(value)!r}, /* " in text or f" {float(value)!r}" in text
-    single = source_of(ESTIMATE, precision="float").text
-    assert f"{np.float32(ESTIMATE.value('J1'))!s}f, /* 0: J1 */" in single
 
 
 def test_what_was_written_prints_itself(tmp_path):

@@ -126,22 +126,6 @@ def test_a_term_from_outside_computes_the_same_in_c(terms, precision, tolerance,
     assert_relative(c("inverse_dynamics", q, v, a), whole, tolerance)
 
 
-def test_a_parameter_that_is_part_of_another_is_zero():
-    """At the hip the counterweight is part of the leg's gravity, too: nothing of it is left there."""
-    model, values = made_up(Offset(), Counterweight())
-    assert {regrouped.name for regrouped in model.regrouped} == {"m_hip", "o_hip", "o_knee", "o_ankle"}
-    text = c_source(model, values).text
-    assert "tau[0] = leg_term[0];" in text
-    assert "tau[1] = leg_term[1] + leg_term[3] * sin(q[1]) + 0.0;" in text
-
-
-def test_a_conditional_is_put_in_parentheses_before_it_joins_a_sum():
-    text = c_source(*made_up(Drag(joints=("hip",)), Coulomb(joints=("hip",)))).text
-    size = "(v[0] > 0.0 ? leg_term[0] : leg_term[1])"
-    drag = f"(fabs(v[0]) > 0.5 ? {size} * fabs(v[0]) * v[0] : 0.0)"
-    assert f"    tau[0] = {drag} + leg_term[2] * tanh(v[0] / 0.02);" in text
-
-
 @dataclass(frozen=True, kw_only=True)
 class ThickDrag(Drag):
     """Computes something else than its parent."""

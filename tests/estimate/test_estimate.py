@@ -302,21 +302,3 @@ def test_results_show_themselves_as_tables_in_notebooks(swing, recording, estima
         assert all(cell in text for cell in cells)
         assert all(" ".join(line.text_content().split()) in " ".join(text.split()) for line in page.iter("p"))
     assert "<a>" not in grouped._repr_html_()
-
-
-def test_what_a_small_interval_around_zero_and_a_doubtful_one_beside_a_small_error_say(estimate):
-    """An identifiability that the ± alone does not show has its reason below the table."""
-    evidence = dataclasses.replace(estimate.evidence, collinearity=np.where(np.arange(20) == 1, 500.0, 1.0))
-    covariance = estimate.covariance.copy()
-    covariance[1, :] = covariance[:, 1] = 0.0
-    covariance[1, 1] = 1e-8 * estimate.values[1] ** 2
-    k = estimate.names.index("offset_hip")
-    covariance[1, k] = covariance[k, 1] = 0.99 * np.sqrt(covariance[1, 1] * covariance[k, k])
-    values = np.where(np.arange(len(estimate.names)) == k, 0.0, estimate.values)
-    doubted = dataclasses.replace(estimate, evidence=evidence, covariance=covariance, values=values)
-    lines = str(doubted).splitlines()
-    assert next(line for line in lines if line.startswith(" Y1")).split()[-2] == "not"
-    assert next(line for line in lines if line.startswith(" offset_hip")).split()[-3:-1] == ["about", "zero"]
-    assert "Y1 not determined: confounded with offset_hip; ± counts noise only" in lines
-    assert sum(line.startswith("J contains the J of the segments below") for line in lines) == 1
-    assert doubted["offset_hip"].identifiability == "well"

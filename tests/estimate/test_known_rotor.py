@@ -1,7 +1,5 @@
 """A known rotor of the first joint is no part of J1, and is left out of the exported thigh."""
 
-import sys
-
 import numpy as np
 import pytest
 from lxml import etree
@@ -9,7 +7,6 @@ from swings import harmonics
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Leg, Recording, Viscous
-from exoid.cli import main
 from exoid.torques import LoadFriction
 
 ROTOR = 0.05
@@ -73,24 +70,6 @@ def test_the_exported_thigh_is_without_it(known, merged, tmp_path):
     q, v, a = motion(3)
     torque = read.inverse_dynamics(q, v, a) + [ROTOR, 0.0, 0.0] * a
     np.testing.assert_allclose(torque, with_rotor.inverse_dynamics(q, v, a), atol=1e-11)
-
-
-def test_an_export_says_that_a_rotor_is_in_a_link_and_how_to_take_it_out(merged, known, tmp_path):
-    text = str(merged.to_urdf(tmp_path / "leg.urdf"))
-    assert "Ia_hip is regrouped into J1" in text
-    assert 'known={"Ia_hip": …}' in text
-    assert "known={" not in str(known.to_urdf(tmp_path / "leg.urdf"))
-
-
-def test_the_command_line_takes_it(swing, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    swing.train.to_csv("log.csv")
-    command = ["exoid", "identify", "bleex", "log.csv", "-o", "est.json", "--known", f"Ia_hip={ROTOR}", "--json"]
-    monkeypatch.setattr(sys, "argv", command)
-    with pytest.raises(SystemExit) as stop:
-        main()
-    assert not stop.value.code, capsys.readouterr().err
-    assert Estimate.load("est.json")["Ia_hip"].value == ROTOR
 
 
 def test_every_group_may_have_its_own(swing):

@@ -66,19 +66,6 @@ def test_the_cut_off_and_how_it_was_chosen_are_printed(data, estimate):
     assert given.to_json()["cutoff_of_estimate"] == CHOSEN
 
 
-def test_a_cut_off_passed_to_identify_is_called_so_also_after_saving(data, tmp_path):
-    exoid.identify(data.leg, data.train, cutoff=5.0).save(tmp_path / "leg.json")
-    loaded = exoid.Estimate.load(tmp_path / "leg.json")
-    assert "5 Hz (cut-off of the estimate, passed to identify)" in " ".join(
-        str(exoid.validate(loaded, data.test)).split()
-    )
-
-
-def test_a_preparation_without_a_cut_off_is_named(data):
-    estimate = exoid.identify(data.leg, data.train, preparation=FiniteDifference(), check=False)
-    assert "prepared by finite-difference (of the estimate)" in str(exoid.validate(estimate, data.test))
-
-
 def test_a_given_cut_off_puts_estimates_with_other_filters_on_equal_terms(data, estimate):
     """The measured torque is the same to the last bit; behind their own filters it is not."""
     slow = exoid.identify(data.leg, data.train, cutoff=3.0)

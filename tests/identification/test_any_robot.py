@@ -33,15 +33,6 @@ def rms_behind_filter(noise, rate):
     return np.sqrt(np.mean(filtered[edge:-edge] ** 2, axis=0))
 
 
-def test_the_motion_is_one_that_the_arm_can_do(arm):
-    _, q, v, a = arm.motion(TRAIN)
-    limits = arm.leg.limits
-    assert (q > limits.lower).all()
-    assert (q < limits.upper).all()
-    assert (np.abs(v) < limits.velocity).all()
-    assert (np.abs(arm.torque(q, v, a)) < limits.effort).all()
-
-
 @pytest.mark.slow
 def test_torque_of_a_motion_not_seen_is_predicted_to_the_noise(arm):
     noise = arm.noise_of(11)

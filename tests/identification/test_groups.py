@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import weakref
 
 import numpy as np
 import pytest
@@ -115,21 +114,6 @@ def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
             np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6, err_msg=name)
         assert [n.order for n in found.noise] == [n.order for n in expected.noise]
         assert (found.inputs, found.preparation) == (expected.inputs, expected.preparation)
-
-
-def test_recordings_and_poses_of_one_group_are_weighted_as_by_identify(leg, days):
-    rng = np.random.default_rng(3)
-    q = rng.uniform(-0.8, 0.8, (80, 3))
-    tau = leg.inverse_dynamics(q, 0 * q, 0 * q) + ZEROS["monday"] + rng.normal(scale=0.02, size=q.shape)
-    data = [days["monday"].recording(rng, Noise(0.3)), Poses(q, tau, leg.joint_names)]
-    expected = identify(leg, data, TERMS, "huber")
-    found = identify(leg, {"all": data}, TERMS, "huber")["all"]
-    np.testing.assert_allclose(found.values, expected.values, rtol=1e-8, atol=1e-10)
-    np.testing.assert_allclose(found.std, expected.std, rtol=1e-6)
-    other = {"all": data, "friday": days["friday"].recording(rng, Noise(0.2))}  # whose R factors come after
-    both = identify(leg, other, TERMS, "huber", own="offset")
-    error = both.values - truth_of(both, {"all": days["monday"], "friday": days["friday"]})
-    assert (np.abs(error) < 4.0 * both.std).all()
 
 
 def test_where_nothing_is_shared_each_group_is_identified_as_alone(legs, sides):
@@ -264,27 +248,6 @@ def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tm
     assert on_disk.groups == together.groups
     np.testing.assert_array_equal(on_disk.values, together.values)
     np.testing.assert_array_equal(on_disk.covariance, together.covariance)
-
-
-def test_recordings_on_disk_are_read_one_at_a_time(leg, days, tmp_path, monkeypatch):
-    alive, most = set(), []
-    for day, recording in record(days, **dict.fromkeys(days, Noise(0.1))).items():
-        recording.to_csv(tmp_path / f"{day}.csv")
-    files = Recordings.from_folder(tmp_path)
-    read = Recordings.__getitem__
-
-    def watched(self, index):
-        found = read(self, index)
-        if isinstance(found, Recording):
-            alive.add(id(found))
-            weakref.finalize(found, alive.discard, id(found))
-            most.append(len(alive))
-        return found
-
-    monkeypatch.setattr(Recordings, "__getitem__", watched)
-    identify(leg, files, TERMS, own="offset")
-    assert len(most) >= 6
-    assert max(most) <= 2  # one, and the one before until its place is taken
 
 
 def test_parts_of_one_file_may_be_groups(leg, days, tmp_path):

@@ -151,7 +151,12 @@ def test_levels_are_those_of_the_noise(swing):
     np.testing.assert_allclose(levels.torque, TORQUE, rtol=0.25)
 
 
-def test_poses_are_refused(swing):
+@pytest.mark.parametrize(
+    "spacing", [0.0, -1.0, float("nan"), float("inf"), pytest.param(0.02, id="knots closer than samples can hold")]
+)
+def test_what_it_cannot_fit_is_refused(swing, spacing):
+    with pytest.raises(ExoidError):
+        identify(swing.leg, noisy(swing, 8), TERMS, JointML(spacing))
     with pytest.raises(ExoidError, match="ml fits motions"):
         identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, "ml")
 
@@ -162,26 +167,6 @@ def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
     assert (coulomb.smoothing, coulomb.dead_band, viscous) == (0.01, 0.0, Viscous())
     estimate = identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
     assert relative(estimate, swing).max() < 0.1
-
-
-def test_what_is_known_and_believed_enters(swing):
-    free = identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05))
-    prior = {"J3": (swing.truth[8], 1e-5)}
-    told = identify(swing.leg, noisy(swing, 7), TERMS, JointML(0.05), known={"X1": 3.783}, prior=prior)
-    assert told.value("X1") == 3.783
-    assert abs(told.value("J3") - swing.truth[8]) < 3e-5
-    assert told.std[8] < 0.1 * free.std[8]
-
-
-@pytest.mark.parametrize("spacing", [0.0, -1.0, float("nan"), float("inf")])
-def test_an_impossible_spacing_is_refused(spacing):
-    with pytest.raises(ExoidError, match="positive spacing"):
-        JointML(spacing)
-
-
-def test_knots_closer_than_samples_can_hold_are_refused(swing):
-    with pytest.raises(ExoidError, match=r"closer than 1\.5 samples"):
-        identify(swing.leg, noisy(swing, 8), TERMS, JointML(0.02))
 
 
 def test_recorded_velocities_are_not_used(swing):

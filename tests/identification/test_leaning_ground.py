@@ -24,7 +24,7 @@ def logs(exo, lean, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", [0.5, -3.0])
+@pytest.mark.parametrize("degrees", [pytest.param(0.5, marks=pytest.mark.nightly), -3.0])
 def test_the_lean_is_found_and_intervals_hold(exo, degrees):
     deviations = []
     for seed in (1000, 1001):

@@ -31,28 +31,23 @@ def test_arrays_are_copied_and_read_only():
 def test_selecting_joints_goes_by_name():
     poses = Poses(Q, 2.0 * Q, NAMES).select(("knee",))
     np.testing.assert_array_equal(poses.tau, 2.0 * Q[:, 1:])
-    with pytest.raises(ExoidError, match="no joint ankle"):
-        poses.select(("ankle",))
 
 
-@pytest.mark.parametrize(
-    ("q", "tau", "words"),
-    [
-        (Q, Q[:2], "tau has shape"),
-        (Q, Q[:, :1], "tau has shape"),
-        (Q[0], Q, "q has shape"),
-        (Q, [[1.0, 2.0], [3.0], [4.0, 5.0]], "not an array of real numbers"),
-        (Q, [["a", "b"]] * 3, "not an array of real numbers"),
-        (Q, np.where(Q > 0.5, np.nan, Q), "row 2, column"),
-    ],
-)
-def test_bad_poses_are_refused(q, tau, words):
-    with pytest.raises(ExoidError, match=words):
-        Poses(q, tau, NAMES)
+REFUSED = {
+    "fewer torques": lambda: Poses(Q, Q[:2], NAMES),
+    "torques of one joint": lambda: Poses(Q, Q[:, :1], NAMES),
+    "one pose": lambda: Poses(Q[0], Q, NAMES),
+    "ragged": lambda: Poses(Q, [[1.0, 2.0], [3.0], [4.0, 5.0]], NAMES),
+    "text": lambda: Poses(Q, [["a", "b"]] * 3, NAMES),
+    "missing torque": lambda: Poses(Q, np.where(Q > 0.5, np.nan, Q), NAMES),
+    "approaches of other poses": lambda: Approaches(Poses(Q, Q, NAMES), Poses(Q[:2], Q[:2], NAMES)),
+    "approaches of other joints": lambda: Approaches(Poses(Q, Q, NAMES), Poses(Q, Q, NAMES[::-1])),
+    "no such joint": lambda: Poses(Q, Q, NAMES).select(("ankle",)),
+}
 
 
-def test_approaches_of_different_poses_are_refused():
-    with pytest.raises(ExoidError, match="same poses from both sides"):
-        Approaches(Poses(Q, Q, NAMES), Poses(Q[:2], Q[:2], NAMES))
-    with pytest.raises(ExoidError, match="same poses from both sides"):
-        Approaches(Poses(Q, Q, NAMES), Poses(Q, Q, NAMES[::-1]))
+@pytest.mark.parametrize("call", REFUSED.values(), ids=REFUSED)
+def test_bad_poses_are_refused(call):
+    with pytest.raises(ExoidError) as caught:
+        call()
+    assert caught.value.remedy

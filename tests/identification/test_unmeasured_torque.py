@@ -16,8 +16,6 @@ from exoid import Coulomb, ExoidError, Recording, Viscous
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.torques import TorqueModel
-from exoid.view.report.fit import predict_recording, torque_blocks
-from exoid.view.report.identification import summary
 
 DRIVEN = (Coulomb(joints=("hip", "knee")), Viscous(joints=("hip", "knee")))
 
@@ -52,16 +50,6 @@ def test_the_estimate_is_that_of_the_other_joints_rows_alone(estimator):
         expected = np.linalg.lstsq(R[:, :-1], R[:, -1])[0]
         weights = [1.0 / np.linalg.norm(R @ np.append(expected, -1.0)) for R in factors]
     np.testing.assert_allclose(found.values, expected, rtol=1e-8, atol=1e-10)
-
-
-def test_wrong_torques_of_that_joint_would_change_nothing():
-    swing_, log = swing()
-    tau = np.array(log.tau)
-    tau[:, 2] = np.nan
-    first = identify(swing_.leg, dataclasses.replace(log, tau=tau), TERMS)
-    again = identify(swing_.leg, without(log, "left_ankle"), DRIVEN)
-    np.testing.assert_array_equal(first.values, again.values)
-    np.testing.assert_array_equal(first.covariance, again.covariance)
 
 
 @pytest.mark.parametrize("estimator", ["wls", "huber", "ols"])
@@ -192,11 +180,6 @@ def hanging_log(seed, passive):
     return leg, Recording(t, q, tau=tau, joint_names=leg.joint_names, passive=("left_knee",) if passive else ())
 
 
-def test_a_passive_joint_swings_without_torque():
-    *_, torque = hanging()
-    assert np.abs(torque[:, 1]).max() < 1e-12
-
-
 def test_rows_of_a_passive_joint_identify_its_friction_and_sharpen_the_rest():
     leg, log = hanging_log(1, passive=True)
     found = exoid.identify(leg, log, (Viscous(),))
@@ -233,18 +216,6 @@ def test_groups_share_what_one_of_them_measured():
     assert "left_ankle not measured" in str(found)
     with pytest.raises(ExoidError, match="c0_ankle"):
         identify(swing_.leg, groups, TERMS, own=("c0",))
-
-
-def test_a_report_says_which_torque_was_not_measured():
-    swing_, log = swing()
-    partial = without(log, "left_ankle")
-    found = identify(swing_.leg, partial, TERMS)
-    predictions = [predict_recording(found, partial)]
-    table = next(iter(torque_blocks(found, predictions, held_out=True)))
-    (*_, row) = table.rows
-    assert tuple(row[2:]) == ("not measured", "", "", "")
-    assert any("left_ankle not measured" in line for line in summary(found, predictions))
-    assert not any("does not predict every joint" in line for line in summary(found, predictions))
 
 
 def test_delays_of_the_other_torques_are_taken_out():

@@ -198,13 +198,6 @@ def outcome(action: Callable[[], object]) -> object:
         return error if len(lines) == 1 else lines
 
 
-WORDS = st.sampled_from(
-    ["<link ", "<joint ", "/>", "</joint>", "<parent ", "<child ", 'name="a"', 'name="b"', 'link="a"', 'link="b"', ">",
-     'type="revolute"', 'type="fixed"', "<axis ", 'xyz="0 1 0"', 'xyz="0 0"', "<inertial>", "</inertial>", "<mass ",
-     'value="1"', "<inertia ", "</link>", "<origin "]
-)  # fmt: skip
-
-
 @given(seed=st.integers(0, 2**32 - 1), data=st.data())
 def test_a_good_urdf_with_a_piece_missing_or_repeated_is_a_leg_or_an_exoid_error(seed, data):
     text = random_chain(np.random.default_rng(seed), 2).text

@@ -190,14 +190,6 @@ def test_zeros_of_a_cad_exporter_are_no_limits(tmp_path):
     assert MotionLimits.of(leg, margin=0.0, angles_deg={"left_knee": (-90.0, -5.0)}).upper[1] == np.deg2rad(-5.0)
 
 
-def test_limits_are_those_of_the_urdf(side):
-    limits = exoid.load_leg("bleex", side=side).limits
-    np.testing.assert_allclose(np.rad2deg(limits.lower), [-10, -121, -45], atol=1e-12)
-    np.testing.assert_allclose(np.rad2deg(limits.upper), [121, 0, 45], atol=1e-12)
-    np.testing.assert_array_equal(limits.velocity, [6.0, 8.0, 8.0])
-    np.testing.assert_array_equal(limits.effort, [150.0, 125.0, 150.0])
-
-
 def test_limits_of_continuous_and_revolute_joints_mix():
     text = random_chain(np.random.default_rng(8), 3).text.replace('"revolute"', '"continuous"', 1)
     limits = Leg.from_description(describe(text)).limits
@@ -240,6 +232,3 @@ def test_parameters_cannot_be_changed_in_place():
         leg.parameters[0] = 1.0
     with pytest.raises(AttributeError):
         leg.cumulative = False
-
-
-# ------------------------------------------------------------------------------------ wrong arguments

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from exoid import ExoidError, Recording, load_leg, signals
+from exoid import ExoidError, load_leg, signals
 from exoid.experiments.ground import bleex_machine, single_support, walking
 from exoid.rig.ground import GroundSensors
 from exoid.signals import ZeroPhase
@@ -147,15 +147,3 @@ def test_a_share_of_stance_is_mislabelled_in_stretches(walk):
         assert not (flipped & ~exact.contacts[link]).any()
         stretches = np.count_nonzero(np.diff(flipped.astype(int)) == 1)
         assert flipped.sum() / stretches > 10
-
-
-@pytest.mark.parametrize("axes", ["link", "world"])
-def test_a_log_of_a_walk_is_written_and_read(walk, axes, tmp_path):
-    log = walk.recording(GroundSensors(wrench_axes=axes), 1)
-    log.to_csv(tmp_path / "walk.csv")
-    read = Recording.from_csv(tmp_path / "walk.csv", joint_names=log.joint_names)
-    for link, wrench in log.wrenches.items():
-        np.testing.assert_array_equal(read.wrenches[link].columns, wrench.columns)
-        assert read.wrenches[link].axes == axes
-    for link, contact in log.contacts.items():
-        np.testing.assert_array_equal(read.contacts[link], contact)

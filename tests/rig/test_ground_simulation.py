@@ -110,11 +110,6 @@ def test_the_same_input_gives_the_same_bytes():
     assert runs[0].recording(seed=4).q.tobytes() != logs[0].q.tobytes()
 
 
-def test_a_run_and_its_parts_print_in_one_line(standing):
-    assert str(standing) == "GroundRun(bleex.urdf: 2001 samples at 500 Hz, 4 s; on left_foot, right_foot)"
-    assert str(PLANT).startswith("GroundPlant(bleex.urdf: left_hip, left_knee, left_ankle, right_hip")
-
-
 def test_a_plant_is_made_of_its_values():
     assert PLANT.values["c0_right_knee"] == 1.5
     assert PLANT.values["M"] == pytest.approx(49.1)

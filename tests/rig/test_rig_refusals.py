@@ -39,7 +39,6 @@ CUHK, GAIT = exoid.load_leg("cuhk"), healthy_gait(1.0, 1.2)
 FREE, STIFF, TWO = Plant.build(CUHK, end_stops=False), Plant.build(BLEEX, end_stops=False), Plant.build(BLEEX).repeat(2)
 MACHINE, LEGS = bleex_machine(), bleex_machine().leg
 PD, DIRECT = ProportionalDerivative((200.0, 80.0), (20.0, 8.0)), Coupling(("hip", "knee"), ((1.0, 0.0), (0.0, 1.0)))
-HELD = Spring((0.0, 0.0, 0.3), (5e3, 5e3, 5e3), (300.0, 300.0, 300.0))
 HARD = Spring((0.0, 0.0, 0.3), (1e9, 0.0, 1e9), (0.0, 0.0, 0.0))
 
 

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -23,7 +22,6 @@ from exoid.rig import (
     ProportionalDerivative,
     Rates,
     Sensors,
-    SmoothStepper,
     Stepper,
     Target,
     Wearer,
@@ -123,17 +121,6 @@ def test_leg_and_limb_move_as_pinocchio_says(kind):
     torque = k * (truth[:, 2:4] - truth[:, :2]) + d * (truth[:, 6:] - truth[:, 4:6])
     assert np.abs(torque).max() > 1.5
     np.testing.assert_allclose(run.interaction[..., 0], torque, atol=0.01)
-
-
-@pytest.mark.nightly
-def test_half_the_step_quarters_the_error():
-    wearer, errors = WEARERS["active"], []
-    for step in (1e-3, 5e-4, 2.5e-4):
-        run = worn(wearer=wearer, rates=Rates(100.0, 100.0, step))
-        truth = coupled_by_pinocchio(FREE, wearer, GAIT.at(0.0), run.time)
-        errors.append(np.abs(np.concatenate([run.q, run.limb_q], axis=1)[..., 0] - truth[:, :4]).max())
-    for coarse, fine in pairwise(errors):
-        assert 3.5 < coarse / fine < 4.6
 
 
 def test_a_planar_chain_of_any_form_may_be_worn():
@@ -292,14 +279,6 @@ def test_joints_stick_stop_and_reverse_under_a_wearer():
         stopped += (rigs[0].q >= plant.upper).sum() + (rigs[0].q <= plant.lower).sum()
     assert rested > 20
     assert stopped > 20
-
-
-@pytest.mark.slow
-def test_smooth_friction_may_be_worn():
-    """As stick-slip, but for joints that creep."""
-    smooth, sticking = (worn(STICKING, stepper=one, controller=PD) for one in (SmoothStepper, Stepper))
-    difference = np.sqrt(np.mean((smooth.interaction - sticking.interaction) ** 2))
-    assert 0.0 < difference < 0.05 * np.sqrt(np.mean(sticking.interaction**2))
 
 
 # ------------------------------------------------------------------------------------- sensors and seeds

@@ -1,8 +1,6 @@
 """Figures draw what they are given on the axes they are given, and show nothing by themselves."""
 
 from dataclasses import replace
-from functools import partial
-from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -32,7 +30,7 @@ from exoid.view.experiments import (
     plot_torques,
 )
 from exoid.view.fit import plot_friction_fit
-from exoid.view.parameters import STRONG, strongest_pairs
+from exoid.view.parameters import STRONG
 from exoid.view.report.page import Picture, paper_figure
 from exoid.view.style import COLUMN, PAGE
 from exoid.view.tracking import plot_law_replay
@@ -140,14 +138,6 @@ def test_the_correlation_is_drawn_of_the_pairs_that_are_hard_to_separate(estimat
     assert estimate.correlation[estimate.names.index(first), estimate.names.index(second)] == strong[0]
 
 
-def test_three_pairs_are_drawn_where_none_is_strong_and_no_more_than_sixteen(estimate):
-    def pairs_at(size):
-        correlation = np.full((8, 8), size) + (1.0 - size) * np.eye(8)
-        return strongest_pairs(SimpleNamespace(correlation=correlation))
-
-    assert (len(pairs_at(0.79)), len(pairs_at(0.81))) == (3, 16)
-
-
 @pytest.mark.parametrize(
     ("heights", "most", "width", "height", "across"),
     [
@@ -173,16 +163,6 @@ def test_panels_of_a_figure_of_a_paper_fill_one_column_or_two(heights, most, wid
     assert len({round(box.y0) for box in boxes}) == -(-len(heights) // across)
     assert [ax.get_legend() for ax in figure.axes].count(None) == (0 if len(heights) == 1 else len(heights))
     assert len(figure.legends) == (0 if len(heights) == 1 else 1), "one legend for all"
-
-
-def test_panels_of_several_legends_keep_them():
-    def draw(part, label):
-        part.add_subplot().plot([0.0, 1.0], label=label)
-        part.axes[0].legend()
-
-    figure = paper_figure([Picture(partial(draw, label=label), "") for label in ("hip", "knee")])
-    assert all(ax.get_legend() for ax in figure.axes)
-    assert not figure.legends
 
 
 def test_a_comparison_draws_both_estimates_and_stars_what_differs(estimate):
@@ -223,11 +203,6 @@ def test_the_mean_residual_shows_what_the_dots_hide():
     assert len(ax.lines[0].get_xdata()) <= 5000, "not every sample is drawn"
 
 
-def test_few_samples_have_dots_but_no_mean():
-    _, ax = drawn(lambda ax: plot_residual_trend(ax, TIME[:5], TIME[:5], 0, "velocity [rad/s]", "hip"))
-    assert not ax.containers
-
-
 def law_run(law, size):
     """A closed loop with errors of a given size [rad]."""
     error = size * np.column_stack([np.sin(TIME), np.cos(TIME)])
@@ -261,14 +236,6 @@ def test_peak_errors_are_dots_in_the_colours_of_the_joints():
     assert [label.get_text() for label in ax.get_yticklabels()] == ["PD", "LQR"]
     assert not ax.patches  # a bar has no length on a logarithmic scale
     assert inside(figure, ax)
-
-
-def test_a_peak_error_of_zero_is_a_dot_at_the_left_end_that_says_so():
-    still = replace(RUNS["LQR"], q=np.zeros_like(RUNS["LQR"].q))
-    _, ax = drawn(lambda ax: plot_peak_errors(ax, {**RUNS, "held": still}, names=NAMES[:2]))
-    for line in ax.lines:
-        assert line.get_xdata().argmin() == 2
-    assert [text.get_text() for text in ax.texts].count("0") == 2
 
 
 def test_a_law_replay_shows_both_torques_and_the_limits():

@@ -12,7 +12,6 @@ from exoid import Viscous
 from exoid.estimate.ground_prediction import GroundForce
 from exoid.tools.tables import DataTable
 from exoid.view.forces import plot_ground_force
-from exoid.view.report import identification_report
 from exoid.view.report.ground import _centre_half, ground_blocks
 from exoid.view.report.page import Picture
 
@@ -29,14 +28,6 @@ def estimate(exo, logs):
     return exoid.identify(exo, [log.recording for log in logs], terms=(Viscous(),))
 
 
-@pytest.mark.nightly
-def test_the_report_has_a_section_of_ground_forces(estimate, logs):
-    html = identification_report(estimate, [log.recording for log in logs]).html()
-    assert "Ground force" in html
-    assert html.count("Vertical force of the ground on left_foot") >= 1
-    assert "Vertical force of the ground on right_foot" in html
-
-
 @pytest.mark.slow
 def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, estimate, logs):
     both = logs[0]
@@ -51,12 +42,6 @@ def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, est
         ", 12 s from its first rest"
     )  # the log is shorter than what is drawn of long ones
     assert len(pictures) == 2
-
-
-@pytest.mark.slow
-def test_without_plates_nothing_is_compared(estimate, logs):
-    _, table, *_ = ground_blocks(estimate, [logs[1].recording])
-    assert table.rows[0][5] == "–"
 
 
 def test_a_leg_that_swings_has_no_ground_forces():

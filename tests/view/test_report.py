@@ -1,7 +1,6 @@
 """The report states what the estimate holds, in one valid self-contained page."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,15 +11,12 @@ from exoid.experiments.excitation import assess
 from exoid.regression import Prior
 from exoid.signals import Source
 from exoid.tools.tables import DataTable
-from exoid.torques import Armature, Coulomb, Offset, Stribeck, TorqueModel, Viscous
+from exoid.torques import Armature, Coulomb, Offset, Stribeck, Viscous
 from exoid.view.report import identification_report
 from exoid.view.report.fit import (
-    RecordingPrediction,
-    friction_blocks,
     predict_recording,
     torque_pictures,
 )
-from exoid.view.report.identification import summary
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
@@ -80,11 +76,6 @@ def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recordi
     assert all(f"{error:.3f}" in said for error in nrmse)
 
 
-def test_without_a_held_out_recording_the_report_says_so(swing):
-    _, estimate = swing
-    assert "no held-out recording" in " ".join(summary(estimate, []))
-
-
 def test_inputs_and_settings_are_listed(page, swing):
     _, estimate = swing
     text = text_of(page[1])
@@ -141,23 +132,6 @@ def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
     assert "brings X1" not in text
 
 
-@pytest.mark.slow
-def test_a_leg_without_friction_terms_has_no_friction_section(swing):
-    data, _ = swing
-    rigid = exoid.identify(data.leg, data.train, (Offset(),))
-    titles = [section.title for section in undrawn_report(rigid, [data.train])[0].sections]
-    assert "Friction" not in titles
-    assert "Residuals" in titles
-
-
-def test_bands_contain_95_percent_of_new_torques(swing):
-    """On data of the same leg; far fewer on data of another leg."""
-    data, estimate = swing
-    np.testing.assert_allclose(predict_recording(estimate, data.test).validation.coverage, 0.95, atol=0.03)
-    loaded = replace(data.test, tau=data.test.tau + np.array([1.0, 0.5, 0.2]))
-    assert (predict_recording(estimate, loaded).validation.coverage < 0.1).all()
-
-
 def test_modelled_and_measured_friction_are_those_of_the_leg():
     """A leg of known friction: measured torque less the other terms is that friction, filtered."""
     leg = exoid.load_leg("bleex")
@@ -201,18 +175,6 @@ def test_a_table_explains_each_column_once_and_leaves_no_header_empty():
     tree = check(Page("Errors", [], [Section("Tables", [table])]).html())
     assert text_of(tree).count("standard deviation") == 1
     assert [cell.text for cell in tree.iter("th")] == ["controller", "± std", "± std", "pd"]
-
-
-def test_friction_is_drawn_for_every_joint_of_a_floating_base(exo):
-    model = TorqueModel(exo, (Viscous(),))
-    zero = np.zeros((20, 6))
-    validation = SimpleNamespace(residual=zero)
-    found = list(
-        friction_blocks(SimpleNamespace(model=model), [RecordingPrediction(None, zero, zero, validation, zero)])
-    )
-    assert [block.alt_text for block in found if isinstance(block, Picture)] == [
-        f"Friction torque of {name} over its velocity, measured and fitted" for name in exo.joint_names
-    ]
 
 
 def test_names_from_files_cannot_break_the_page():

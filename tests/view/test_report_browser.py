@@ -68,14 +68,6 @@ def test_the_page_fits_windows_of_any_width(browser, url, width):
         assert page.evaluate("document.documentElement.clientWidth") == width
 
 
-def test_a_page_that_does_not_fit_is_detected(browser, tmp_path):
-    """The test above can fail."""
-    meta = '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    (tmp_path / "wide.html").write_text(f"<!DOCTYPE html>{meta}<div style='width: 600px'>wide</div>", "utf-8")
-    with browser.page((tmp_path / "wide.html").as_uri(), PHONE) as page:
-        assert page.evaluate("document.documentElement.scrollWidth") > PHONE[0]
-
-
 def test_tables_on_a_phone_scroll_visibly_and_text_of_figures_is_readable(browser, url):
     with browser.page(url, PHONE) as page:
         page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")

@@ -59,20 +59,6 @@ def test_both_legs_in_a_file_without_a_network(browser, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("size", [(400, 800), (1600, 500)])
-def test_the_leg_fills_windows_of_any_shape(browser, tmp_path, size):
-    scene(exoid.load_leg("bleex", "right")).save(tmp_path / "leg.html")
-    with browser.page((tmp_path / "leg.html").as_uri(), size) as page:
-        page.wait_for(READY)
-        picture = page.screenshot(f"bleex_{size[0]}x{size[1]}")
-        rows, columns = np.nonzero(distance_to(picture, CAD) < 30)
-        assert len(rows) > 30
-        assert columns.min() > 0
-        assert columns.max() < size[0] - 1
-        assert page.problems == []
-
-
-@pytest.mark.slow
 def test_layers_can_be_switched_off_and_on(browser, tmp_path, estimate):
     scene(estimate).save(tmp_path / "leg.html")
     with browser.page((tmp_path / "leg.html").as_uri()) as page:
@@ -131,14 +117,6 @@ def test_a_page_can_start_at_a_time(browser, tmp_path, data):
         assert page.evaluate("window.exoid.viewer.animator.time") == 2.5
         assert not page.evaluate("window.exoid.viewer.animator.playing")
         assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
-
-
-@pytest.mark.slow
-def test_a_served_page_shows_the_leg(browser):
-    with scene(exoid.load_leg("cuhk")).serve(0) as server, browser.page(server.url) as page:
-        page.wait_for(READY)
-        assert_leg_is_drawn(page.screenshot("cuhk"), CAD)
-        assert_quiet(page, server.url)
 
 
 def framed(scenes):

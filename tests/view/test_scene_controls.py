@@ -6,7 +6,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from browser import distance_to
-from standing import standing
 
 import exoid
 from exoid.estimate import validate
@@ -131,25 +130,6 @@ def test_the_torque_plot_follows_the_playback(browser, url, data, estimate):
         assert page.evaluate(TIME) == pytest.approx(0.5 * data.test.duration, abs=0.1)
 
 
-def test_feet_come_first_and_all_plots_of_two_legs_are_seen(browser, exo, tmp_path):
-    stand = standing(exo, "both", seconds=2.0)
-    scene(exo, recording=replace(stand.recording, wrenches=stand.wrenches)).save(tmp_path / "stand.html")
-    with browser.page((tmp_path / "stand.html").as_uri(), (1280, 800)) as page:
-        page.wait_for(READY)
-        page.screenshot("scene_stand")
-        charts = page.evaluate(
-            "[...document.querySelectorAll('#plot figure')].map(f => [f.querySelector('span').textContent,"
-            " f.getBoundingClientRect().left, f.getBoundingClientRect().bottom])"
-        )
-        inside = page.evaluate("(p => [p.scrollHeight <= p.clientHeight, p.tabIndex])(document.querySelector('#plot'))")
-    left = [f"left_{name}" for name in ("foot", "hip", "knee", "ankle")]
-    assert [name for name, *_ in charts[:2]] == ["left_foot", "right_foot"]
-    assert {at for name, at, _ in charts if name in left} == {charts[0][1]}
-    assert {at for name, at, _ in charts if name not in left} == {charts[1][1]}
-    assert max(bottom for *_, bottom in charts) < 700.0
-    assert inside == [True, 0]
-
-
 def test_a_phone_shows_panels_inside_its_window(browser, url):
     with browser.page(url, (390, 844)) as page:
         page.wait_for(READY)
@@ -214,12 +194,3 @@ def test_the_camera_sees_ellipsoids_that_are_larger_than_the_leg():
         for drawn in (small, large)
     ]
     np.testing.assert_array_equal(*grounds)
-
-
-def test_scales_that_differ_are_those_of_named_legs():
-    legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
-    scales = {layer.label: layer.scale for layer in scene(*legs, pose={"left_hip": 0.6, "right_hip": 0.1}).layers}
-    assert scales["weights"].count("arrow of") == 1
-    assert scales["torque against gravity"].startswith("left leg: radius of")
-    assert "; right leg: radius of" in scales["torque against gravity"]
-    assert scales["leg"] == ""

@@ -120,12 +120,11 @@ def test_the_command_listens_on_loopback_until_ctrl_c_and_ends_cleanly():
     assert (running.returncode, out, err) == (0, "", "ended\n")
 
 
-@pytest.mark.slow
 def test_connections_that_send_nothing_are_closed(drawn, monkeypatch):
-    monkeypatch.setattr(Handler, "timeout", 0.5)
+    monkeypatch.setattr(Handler, "timeout", 0.2)
     before = threading.active_count()
     with drawn.serve(0) as served:
-        silent = [socket.create_connection(("127.0.0.1", served.port), timeout=10.0) for _ in range(50)]
+        silent = [socket.create_connection(("127.0.0.1", served.port), timeout=10.0) for _ in range(10)]
         for connection in silent:
             with suppress(ConnectionResetError):
                 assert connection.recv(1) == b""  # closed
@@ -136,7 +135,7 @@ def test_connections_that_send_nothing_are_closed(drawn, monkeypatch):
 
 def test_a_client_that_hangs_up_leaves_no_traceback(drawn, capfd):
     with drawn.serve(0) as served:
-        for _ in range(20):
+        for _ in range(5):
             connection = socket.create_connection(("127.0.0.1", served.port))
             connection.sendall(b"GET / HTTP/1.0\r\nHost: localhost\r\n\r\n")
             reset = struct.pack("ii", 1, 0)

@@ -81,18 +81,6 @@ def test_bleex_parameters_come_from_the_right_tables_in_the_librarys_order(which
     assert tuple(parameters.values()) == PARAMETERS[which]
 
 
-def test_the_cuhk_plant_is_the_assumed_one_and_not_table_iii():
-    assert published.cuhk_parameters() == {
-        "X1": 4.252,
-        "Y1": 0.09,
-        "J1": 1.516,
-        "X2": 1.52,
-        "Y2": 0.04,
-        "J2": 0.598,
-    }
-    assert tuple(published.cuhk_parameters()) == ("X1", "Y1", "J1", "X2", "Y2", "J2")
-
-
 def test_the_assumed_cad_of_cuhk_errs_as_that_of_bleex_does():
     """Mass moments and inertias in the ratio of Table V to the mean of Tables II and III; Y as an angle."""
     cad, true = published.cuhk_cad_parameters(), published.cuhk_parameters()
@@ -146,26 +134,6 @@ def test_every_assumption_has_a_unit_and_a_reason(document):
         assert math.isfinite(assumption.value), name
         assert assumption.unit, name
         assert len(assumption.reason) > 10, name
-
-
-def test_bleex_masses_and_lengths_are_the_assumed_ones():
-    value = {name: a.value for name, a in published.bleex().assumptions.items()}
-    assert [value[n] for n in ("L_t", "L_s", "m_t", "m_s", "m_f")] == [0.43, 0.43, 4.75, 4.2, 3.1]
-    value = {name: a.value for name, a in published.cuhk().assumptions.items()}
-    assert [value[n] for n in ("L_t", "L_s", "m_t", "m_s", "rotor_inertia")] == [
-        0.4165,
-        0.4182,
-        9.5,
-        5.965,
-        0.8,
-    ]
-
-
-def test_columns_keep_the_legs_apart():
-    table = published.bleex().tables["IV"]
-    assert table.columns == ("left", "right")
-    assert {n: q.value for n, q in table.column("right").items()} == {"c03": -0.337, "c02": -0.4081}
-    assert published.bleex().tables["V"].columns == ()
 
 
 def test_published_numbers_are_read_only():
