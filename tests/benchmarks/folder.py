@@ -14,41 +14,20 @@ from pathlib import Path
 
 import numpy as np
 import polars
+from long_logs import long_log, truth
 from rich.console import Console
 from rich.progress import track
 
 import exoid
 from exoid import Recordings
-from exoid.torques import DEFAULT_TERMS, TorqueModel
-
-RATE = 500.0
-NOISE = (1.0, 0.7, 0.3)
-"""Of the torques [N·m]."""
-
-
-def truth(leg: exoid.Leg) -> np.ndarray:
-    """The leg's own parameters, and friction, offset and rotors."""
-    count = len(TorqueModel(leg, DEFAULT_TERMS).names)
-    return np.append(leg.parameters, np.random.default_rng(0).uniform(0.2, 0.8, count - len(leg.parameters)))
 
 
 def write(folder: Path, leg: exoid.Leg, number: int, samples: int) -> None:
-    """Write one file: five harmonics a joint, and torques of the model with noise."""
-    rng, names = np.random.default_rng(number), leg.joint_names
-    stamps = np.arange(samples) / RATE
-    model, omega = TorqueModel(leg, DEFAULT_TERMS), 2.0 * np.pi * 0.1 * np.arange(1, 6)
-    amplitude, phase = rng.uniform(0.05, 0.2, (len(names), 5)), rng.uniform(0.0, 6.28, (len(names), 5))
-    q, tau = np.zeros((2, samples, len(names)))
-    for start in range(0, samples, 10_000):
-        rows = slice(start, start + 10_000)
-        angle = np.multiply.outer(stamps[rows], omega)[:, None, :] + phase
-        q[rows] = (amplitude * np.sin(angle)).sum(-1)
-        v, a = (amplitude * omega * np.cos(angle)).sum(-1), -(amplitude * omega**2 * np.sin(angle)).sum(-1)
-        tau[rows] = model.regressor(q[rows], v, a) @ truth(leg)
-    tau += rng.normal(scale=NOISE, size=tau.shape)
-    columns = {"time": stamps}
-    columns |= {f"q_{name}": q[:, k] for k, name in enumerate(names)}
-    columns |= {f"tau_{name}": tau[:, k] for k, name in enumerate(names)}
+    """Write one file."""
+    log = long_log(leg, samples, number)
+    columns = {"time": log.time}
+    for k, name in enumerate(log.joint_names):
+        columns |= {f"q_{name}": log.q[:, k], f"tau_{name}": log.tau[:, k]}
     polars.DataFrame(columns).write_parquet(folder / f"part.{number}.parquet")
 
 

@@ -11,36 +11,15 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+from long_logs import long_log, truth
 
 import exoid
-from exoid import Recording
-from exoid.torques import DEFAULT_TERMS, TorqueModel
 
-RATE = 500.0
 LOOPED = 100_000
 """Samples that the loop is timed over."""
 
 SMOOTH = (exoid.Coulomb(smoothing=0.015), exoid.Viscous(), exoid.Armature(), exoid.Offset())
 """Terms without the projection of reversals, which the default terms have."""
-
-
-def recording(leg: exoid.Leg, samples: int) -> tuple[Recording, np.ndarray]:
-    """Five harmonics a joint, and torques of the model with noise, formed piece by piece."""
-    rng = np.random.default_rng(0)
-    stamps, joints = np.arange(samples) / RATE, len(leg.joint_names)
-    q, tau = np.zeros((2, samples, joints))
-    model = TorqueModel(leg, DEFAULT_TERMS)
-    truth = np.append(leg.parameters, rng.uniform(0.2, 0.8, len(model.names) - len(leg.parameters)))
-    amplitude, phase = rng.uniform(0.05, 0.2, (joints, 5)), rng.uniform(0.0, 6.28, (joints, 5))
-    omega = 2.0 * np.pi * 0.1 * np.arange(1, 6)
-    for start in range(0, samples, 10_000):
-        rows = slice(start, start + 10_000)
-        angle = np.multiply.outer(stamps[rows], omega)[:, None, :] + phase
-        q[rows] = (amplitude * np.sin(angle)).sum(-1)
-        v, a = (amplitude * omega * np.cos(angle)).sum(-1), -(amplitude * omega**2 * np.sin(angle)).sum(-1)
-        tau[rows] = model.regressor(q[rows], v, a) @ truth
-    tau += rng.normal(scale=[1.0, 0.7, 0.3], size=tau.shape)
-    return Recording(stamps, q, tau=tau, joint_names=leg.joint_names), truth
 
 
 def looped(leg: exoid.Leg, samples: int, out: np.ndarray | None = None) -> float:
@@ -69,9 +48,8 @@ def memory(name: str) -> float:
 def main(samples: int, terms: tuple[exoid.Term, ...] | None) -> None:
     """Print what was measured."""
     leg = exoid.load_leg("bleex")
-    short, _ = recording(leg, 20_000)
-    exoid.identify(leg, short, terms, check=False)  # whatever has to be imported
-    log, truth = recording(leg, samples)
+    exoid.identify(leg, long_log(leg, 20_000), terms, check=False)  # whatever has to be imported
+    log = long_log(leg, samples)
     out = np.full((LOOPED, len(leg.joint_names), 10 * len(leg.joint_names)), np.nan)
     before = memory("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
@@ -91,7 +69,7 @@ def main(samples: int, terms: tuple[exoid.Term, ...] | None) -> None:
                 "seconds": min(seconds),
                 "loop": min(loops),
                 "stored_loop": min(stored),
-                "worst_z": float(np.abs((estimate.values - truth) / estimate.std).max()),
+                "worst_z": float(np.abs((estimate.values - truth(leg)) / estimate.std).max()),
             }
         )
     )

@@ -1,4 +1,4 @@
-"""What a leg's torques cost in C, against one call of Pinocchio's RNEA from Python.
+"""What a leg's torques, and one step of a law or an observer, cost in C, against one call of Pinocchio's RNEA.
 
 ``pytest tests/benchmarks/test_c_speed.py -s`` prints the times.
 """
@@ -11,16 +11,27 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from closed_machines import four_bar_knee
-from planar_chains import assert_relative, random_motion
+from planar_chains import random_motion
 from turns import best_of_turns, show
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
-from exoid.codegen import c_source
+from exoid.codegen import c_source, write_c
+from exoid.control import (
+    LAWS,
+    Limited,
+    MomentumObserver,
+    default_gains,
+    sensitivity_amplification,
+    standard_laws,
+)
+from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.torques import TorqueModel
 
 CALLS, ROUNDS = 20_000, 5
-RATIO = 1.0
+TORQUE, STEP = 1.0, 1.5
+"""Largest ratios to one call of RNEA."""
+
 BARE = "pin.rnea from Python"
 
 COMPILER = shutil.which("cc")
@@ -56,6 +67,36 @@ void gravity_and_friction(int count, const leg_real *q, const leg_real *v, const
 """
 
 
+OF_A_LAW = """
+#include "{name}.c"
+
+void run(int count, {name}_input *in, {name}_real *tau)
+{{
+    {name}_state state;
+    int k;
+    {name}_init(&state);
+    for (k = 0; k < count; ++k) {{
+        in[k % 256].reading = (uint32_t)k + 1;
+        {target}
+        {name}_step(&state, in + k % 256, tau);
+    }}
+}}
+"""
+
+
+def harness(source):
+    """A loop around the law, with counters that never stand still."""
+    has_target = any(each.source == "target" for each in source.content.inputs)
+    target = "in[k % 256].target = (uint32_t)k + 1;" if has_target else ""
+    return OF_A_LAW.format(name=source.prefix, target=target)
+
+
+def shared_library(source, to):
+    """A C file as a library."""
+    subprocess.run([COMPILER, "-std=c99", "-O2", "-shared", "-fPIC", source, "-o", to, "-lm"], check=True)
+    return ctypes.CDLL(str(to))
+
+
 @pytest.fixture(scope="module")
 def estimate():
     """BLEEX with every term, from data."""
@@ -73,9 +114,7 @@ def compile_loops(folder, source):
     """The C of a leg, called in loops that are C too."""
     (folder / "leg.c").write_text(source)
     (folder / "harness.c").write_text(HARNESS)
-    flags = ("-std=c99", "-O2", "-shared", "-fPIC")
-    subprocess.run([COMPILER, *flags, folder / "harness.c", "-o", folder / "leg.so", "-lm"], check=True)
-    library = ctypes.CDLL(str(folder / "leg.so"))
+    library = shared_library(folder / "harness.c", folder / "leg.so")
 
     def run(function, motion):
         tau = np.empty_like(motion[0])
@@ -93,18 +132,20 @@ def compiled(estimate, tmp_path_factory):
     return compile_loops(folder, estimate.to_c(folder / "leg.c").text)
 
 
-def test_the_loop_in_c_computes_the_torque_of_the_estimate(estimate, compiled, motion):
-    assert_relative(compiled("all_of_it", motion), estimate.torque(*motion), 1e-12)
-
-
-def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(estimate, compiled, motion):
+@pytest.fixture(scope="module")
+def bare(estimate, motion):
+    """CALLS calls of Pinocchio's RNEA."""
     model, data = estimate.leg.model, estimate.leg.model.createData()
     rows = list(zip(*motion, strict=True))
 
-    def bare():
+    def calls():
         for q, v, a in rows:
             pin.rnea(model, data, q, v, a)
 
+    return calls
+
+
+def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(bare, compiled, motion):
     works = {
         BARE: bare,
         "inverse dynamics with every term, in C": lambda: compiled("all_of_it", motion),
@@ -112,7 +153,7 @@ def test_a_call_in_c_costs_less_than_one_bare_rnea_from_python(estimate, compile
     }
     best = best_of_turns(works, ROUNDS)
     show(f"{CALLS:,} calls of a leg's torques", best, BARE)
-    assert max(seconds for name, seconds in best.items() if name.endswith("in C")) <= RATIO * best[BARE]
+    assert max(seconds for name, seconds in best.items() if name.endswith("in C")) <= TORQUE * best[BARE]
 
 
 def test_a_four_bar_knee_in_c_costs_less_than_closing_its_loop_in_python(tmp_path):
@@ -129,3 +170,38 @@ def test_a_four_bar_knee_in_c_costs_less_than_closing_its_loop_in_python(tmp_pat
     best = best_of_turns(works, ROUNDS)
     show("200 calls of a closed leg's torques", best, next(iter(works)))
     assert best["four-bar knee, in C"] < 0.1 * max(best.values())
+
+
+@pytest.fixture(scope="module")
+def steps(tmp_path_factory):
+    """Each law as a function that takes CALLS steps in C."""
+    folder, data = tmp_path_factory.mktemp("laws"), exoid.datasets.bleex_swing()
+    estimate = exoid.identify(data.leg, data.train)
+    gait = gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
+    kp, kd = default_gains(estimate, np.zeros(3))
+    rng, found = np.random.default_rng(0), {}
+    names = [name for name in LAWS if name != "self_tuning"]  # which have no form in C
+    laws = standard_laws(estimate, kp, kd, gait, 10.0, names=names)
+    laws["sensitivity_amplification"] = sensitivity_amplification(estimate, 3.0)
+    limited = {name: Limited(law, (150.0, 125.0, 90.0), 4000.0) for name, law in laws.items()}
+    limited["momentum_observer"] = MomentumObserver(estimate, 8.0, 500.0, torque_delay=0.0)
+    for name, law in limited.items():
+        source = write_c(folder / f"{name}.c", law)
+        (folder / f"run_{name}.c").write_text(harness(source))
+        inputs = rng.uniform(-1.0, 1.0, (256, 20))  # more numbers than any law has; its counters are written over them
+        found[name] = _runner(shared_library(folder / f"run_{name}.c", folder / f"{name}.so"), inputs)
+    return found
+
+
+def _runner(library, inputs):
+    tau = np.zeros(3)
+    return lambda: library.run(CALLS, inputs.ctypes.data_as(ctypes.c_void_p), tau.ctypes.data_as(ctypes.c_void_p))
+
+
+def test_a_step_costs_at_most_half_more_than_one_call_of_rnea(bare, steps):
+    works = {BARE: bare, **{f"{name}, a step in C": step for name, step in steps.items()}}
+    best = best_of_turns(works, 3)
+    show(f"{CALLS:,} steps of a law", best, BARE)
+    slowest = max(seconds for name, seconds in best.items() if name.endswith("in C"))
+    print(f"slowest law: {1e6 * slowest / CALLS:.2f} us a step, {slowest / best[BARE]:.2f} of one pin.rnea")
+    assert slowest <= STEP * best[BARE]

@@ -7,7 +7,7 @@ checks the log. The loop gets velocities and accelerations for nothing, and does
 
 import numpy as np
 import pinocchio as pin
-from million import recording
+from long_logs import long_log
 from turns import best_of_turns, show
 
 import exoid
@@ -17,7 +17,7 @@ WITH_CHECKS, WITHOUT = 2.2, 3.7
 """Ratios below which something has become slower; see BENCHMARKS.md for those measured."""
 
 LEG = exoid.load_leg("bleex")
-LOG, TRUTH = recording(LEG, SAMPLES)
+LOG = long_log(LEG, SAMPLES)
 V, A = np.gradient(LOG.q, LOG.time, axis=0), np.gradient(np.gradient(LOG.q, LOG.time, axis=0), LOG.time, axis=0)
 
 

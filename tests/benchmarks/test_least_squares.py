@@ -5,13 +5,11 @@ covariance block by block, on orthogonal factorisations, which need no refinemen
 beyond (a model of the noise, diagnostics, a hash of the data) has no counterpart in the loop.
 """
 
-import gc
-import tracemalloc
 from functools import cache
 
 import numpy as np
 import pinocchio as pin
-from turns import best_of_turns, show
+from turns import best_of_turns, show, with_memory
 
 import exoid
 from exoid import Coulomb, Recording, Viscous
@@ -100,13 +98,6 @@ def test_the_estimates_are_the_same():
     np.testing.assert_allclose(whole().values, found.values, rtol=1e-12)
 
 
-def test_the_covariance_is_that_of_the_textbook():
-    found, W = ours(), documented()
-    residual = torques() - W @ found.values
-    expected = residual @ residual / (len(W) - 15) * np.linalg.inv(W.T @ W)
-    np.testing.assert_allclose(found.covariance, expected, rtol=1e-9, atol=1e-12 * expected.max())
-
-
 def test_least_squares_is_many_times_as_fast_as_the_loop_and_lstsq():
     works = {
         OURS: ours,
@@ -127,20 +118,11 @@ def test_least_squares_is_many_times_as_fast_as_the_loop_and_lstsq():
 
 
 def test_least_squares_takes_no_more_memory_for_more_samples():
-    peaks = {samples: peak(samples) for samples in (SAMPLES, 3 * SAMPLES)}
+    peaks = {}
+    for samples in (SAMPLES, 3 * SAMPLES):
+        recording(samples)
+        _, peaks[samples] = with_memory(lambda samples=samples: ours(samples))
     print("\n" + ", ".join(f"{memory / 1e6:.1f} MB beside {samples:,} samples" for samples, memory in peaks.items()))
     least, most = peaks.values()
     assert most - least <= BYTES * 2 * SAMPLES
     assert least <= 40e6
-
-
-def peak(samples: int) -> int:
-    """Memory that least squares takes beside the data [bytes]."""
-    recording(samples)
-    gc.collect()
-    tracemalloc.start()
-    try:
-        ours(samples)
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()

@@ -4,8 +4,6 @@
 base that floats, in the sagittal plane or with all six degrees of freedom.
 """
 
-import gc
-import tracemalloc
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -14,7 +12,7 @@ import pinocchio as pin
 import pytest
 from planar_chains import assert_relative
 from public_robots import urdf_of
-from turns import best_of_turns, show
+from turns import best_of_turns, show, with_memory
 
 import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
@@ -156,12 +154,6 @@ def test_the_batched_regressor_is_faster_than_loops_over_pinocchios(case):
 
 def test_the_batched_regressor_needs_little_memory_beyond_its_output(case):
     robot = MAKERS[case[0]](MANY)
-    gc.collect()
-    tracemalloc.start()
-    try:
-        W = robot.batched()
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
+    W, peak = with_memory(robot.batched)
     print(f"\n{(peak - W.nbytes) / 1e6:.1f} MB beyond the output of {W.nbytes / 1e6:.0f} MB")
     assert peak - W.nbytes <= EXTRA_MEMORY

@@ -3,6 +3,7 @@
 import gc
 import math
 import time
+import tracemalloc
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -36,6 +37,16 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
     for _ in range(repeats):
         work()
     return (time.process_time() - start) / repeats
+
+
+def with_memory(work: Callable[[], object]) -> tuple[object, int]:
+    """What a work returns, and the most memory that it takes [bytes]."""
+    gc.collect()
+    tracemalloc.start()
+    try:
+        return work(), tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 def show(title: str, best: Mapping[str, float], baseline: str) -> None:
