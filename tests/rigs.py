@@ -35,13 +35,3 @@ class Swing:
     def at(self, time: float) -> Target:
         s, c = np.sin(self.rate * time), np.cos(self.rate * time)
         return Target(POSE + self.amplitude * s, self.amplitude * self.rate * c)
-
-
-class Hold:
-    """Stay at a pose."""
-
-    def __init__(self, pose: np.ndarray) -> None:
-        self.pose = pose
-
-    def at(self, time: float) -> Target:
-        return Target(self.pose, np.zeros_like(self.pose))

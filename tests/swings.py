@@ -1,6 +1,5 @@
 """Motions with known derivatives, and recordings of legs whose every parameter is known."""
 
-import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -100,8 +99,3 @@ class WithEdges(ZeroPhase):
         rate = recording.sample_rate
         q = zero_phase(recording.q, rate, self.kinematics_cutoff_at(rate))
         return Kinematics(q, central_difference(q, rate, 4), second_difference(q, rate, 4), slice(None))
-
-
-def selected(recording: Recording, **arrays) -> Recording:
-    """Return a recording with other arrays."""
-    return dataclasses.replace(recording, **arrays)

@@ -121,12 +121,6 @@ def test_the_step_divides_both_periods(control, log):
         assert 1.0 / (rate * step) == pytest.approx(round(1.0 / (rate * step)), abs=1e-6)
 
 
-def test_a_result_prints_itself():
-    text = str(simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 1.0, name="PD"))
-    for word in ("PD at 100 Hz", "left_hip", "left_knee", "peak error [deg]", "rms torque [N·m]"):
-        assert word in text
-
-
 def test_controllers_are_compared_on_a_leg_in_space():
     """One by one: its runs are those of each controller alone."""
     arm = Arm("ur5").leg

@@ -227,13 +227,6 @@ def test_many_worn_rigs_at_once_do_what_each_does_alone():
         np.testing.assert_allclose(one.rms_interaction, np.sqrt(np.mean(alone.interaction[1:] ** 2, axis=0)), rtol=1e-6)
 
 
-def test_a_worn_run_prints_what_the_wearer_felt():
-    run = simulate_law(RUBBING, transparent(RUBBING), GAIT, 0.5, wearer=WALKING)
-    assert "rms of wearer" in str(run)
-    assert f"{run.rms_interaction[1]:.3g}" in str(run)
-    assert run.to_json()["rms_interaction"] == run.rms_interaction.tolist()
-
-
 def test_nobody_feels_anything_in_an_unworn_leg():
     run = simulate_law(RUBBING, pd(20.0, 2.0), GAIT, 0.5)
     assert run.interaction is None

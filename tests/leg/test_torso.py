@@ -3,12 +3,11 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from planar_chains import PlanarURDF, assert_relative, random_chain, random_motion
+from planar_chains import PlanarURDF, assert_relative, random_chain, random_motion, slanted_chain
 
 import exoid
 from exoid import Leg, TorsoMotion
 from exoid.errors import NotSupportedError
-from exoid.leg.description import describe
 
 TOLERANCE = 1e-12
 
@@ -136,13 +135,7 @@ def test_positive_pitch_moves_a_hanging_leg_forward():
 
 
 def test_a_leg_that_is_not_planar_has_no_regressor_under_a_moving_torso_but_has_torques():
-    text = random_chain(np.random.default_rng(12), 2, axis="y").text
-    slant = (
-        '<joint name="slant" type="fixed"><origin rpy="0.3 0 0"/><parent link="torso"/><child link="tilted"/></joint>'
-    )
-    text = text.replace('<parent link="torso"/>', '<parent link="tilted"/>')
-    slanted = describe(text.replace('<link name="torso"/>', f'<link name="torso"/><link name="tilted"/>{slant}'))
-    leg = Leg.from_description(slanted)
+    leg = slanted_chain(np.random.default_rng(12), 2)
     assert leg.chain is None
     q, v, a, torso = moved(leg, 13, 4)
     with pytest.raises(NotSupportedError, match="moving"):

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from rigs import BLEEX, EVERYTHING, Hold, Swing
+from rigs import BLEEX, EVERYTHING, Swing
 
 import exoid
+from exoid.experiments import Hold
 from exoid.rig import DcMotor, HydraulicServo, IdealTorque, Plant, Proportional, Rates, Stepper, Target, simulate
 
 KH, CL, KV = 5000.0, 0.01, 10.0

@@ -5,13 +5,13 @@ import re
 import numpy as np
 import pytest
 from planar_chains import random_chain
-from rigs import BLEEX, POSE, Hold, Swing
+from rigs import BLEEX, POSE, Swing
 
 import exoid
 from exoid import Leg
 from exoid.actuators import Coupling
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
-from exoid.experiments import healthy_gait
+from exoid.experiments import Hold, healthy_gait
 from exoid.experiments.ground import bleex_machine
 from exoid.leg.description import describe
 from exoid.rig import (

@@ -5,10 +5,11 @@ import re
 import numpy as np
 import pytest
 from planar_chains import random_chain
-from rigs import BLEEX, EVERYTHING, FRICTION, POSE, Hold, Swing
+from rigs import BLEEX, EVERYTHING, FRICTION, POSE, Swing
 
 import exoid
 from exoid import ExoidError, Leg
+from exoid.experiments import Hold
 from exoid.leg.description import describe
 from exoid.rig import (
     HydraulicServo,

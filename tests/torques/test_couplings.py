@@ -7,7 +7,6 @@ from unchecked import identify
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
-from exoid.codegen import c_source
 from exoid.control import ControlModel
 from exoid.control.lqr import linearise
 from exoid.identification import select_terms
@@ -179,12 +178,6 @@ def test_an_estimate_with_couplings_is_saved_loaded_and_validated(estimate, tmp_
 def test_a_urdf_has_no_place_for_couplings(estimate, tmp_path):
     export = estimate.to_urdf(tmp_path / "leg.urdf")
     assert set(VALUES) <= set(export.left_out)
-
-
-def test_an_inertia_across_joints_has_no_form_in_c():
-    model = TorqueModel(LEG, (ROTOR,))
-    with pytest.raises(ExoidError, match=r"CouplingInertia \(Ia\) has no form in C"):
-        c_source(model, np.ones(len(model.names)))
 
 
 # -------------------------------------------------------------------------------------------- control

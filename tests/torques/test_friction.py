@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from planar_chains import random_motion
 
 import exoid
-from exoid import Armature, Coulomb, Viscous
+from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.torques import JointMotion, LoadFriction, Presliding, Stribeck, TorqueModel
 from exoid.torques.catalog import term_from_json, term_to_json
 from exoid.torques.linearised import Linearised
@@ -182,20 +182,17 @@ def test_columns_of_a_stretch_are_those_of_the_whole(presliding):
         np.testing.assert_allclose(model.columns(motion.rows(rows)), whole[:, :, rows], atol=1e-12)
 
 
-# ------------------------------------------------------------------------------------- settings
-
-
 settings = st.floats(0.0, 10.0)
 
 
 @given(settings, settings, st.floats(0.0, 1.0), st.booleans())
-def test_friction_survives_a_round_trip_through_json(first, second, band, yes):
+def test_a_term_survives_a_round_trip_through_json(first, second, band, yes):
     lean = {"joints": ("knee",), "dead_band": band}
     terms = [
         Coulomb(presliding=first, smoothing=second, asymmetric=yes, **lean),
         LoadFriction(presliding=second, split=yes, **lean),
         Stribeck(velocity=first if first != 0.0 else 1.0, **lean),
-        Viscous(asymmetric=yes),
+        *(Viscous(asymmetric=yes), Armature(), Offset(joints=("hip",)), Stiffness(degree=4, joints=("knee",))),
     ]
     for term in terms:
         assert term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False))) == term

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from planar_chains import assert_relative, random_chain, random_motion
+from planar_chains import assert_relative, random_chain, random_motion, slanted_chain
 
 import exoid
 from exoid import Armature, Coulomb, Leg, Offset, Stiffness, TorsoMotion, Viscous
@@ -72,13 +72,7 @@ def test_terms_do_not_feel_the_torso_and_the_leg_does(leg):
 
 
 def test_a_numeric_leg_has_terms_too():
-    text = random_chain(np.random.default_rng(4), 2, axis="y").text
-    slant = (
-        '<joint name="slant" type="fixed"><origin rpy="0.3 0 0"/><parent link="torso"/><child link="tilted"/></joint>'
-    )
-    text = text.replace('<parent link="torso"/>', '<parent link="tilted"/>')
-    text = text.replace('<link name="torso"/>', f'<link name="torso"/><link name="tilted"/>{slant}')
-    leg = Leg.from_description(describe(text))
+    leg = slanted_chain(np.random.default_rng(4), 2)
     assert leg.chain is None
     model = model_of(leg, Armature(), Viscous())
     (hip,) = model.regrouped

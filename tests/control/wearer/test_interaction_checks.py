@@ -7,7 +7,6 @@ import pytest
 from worn import log, push, swing, unworn_estimate
 
 import exoid
-from exoid import Payload
 from exoid.estimate.finding import Finding
 
 
@@ -82,11 +81,6 @@ def test_another_leg(leg, estimate):
     (finding,) = of_kind(found, "body-like-interaction")
     assert finding.value > 0.9
     assert "more torque" in finding.message
-
-
-def test_a_payload_on_the_foot_is_body_like_too(leg, estimate):
-    loaded = exoid.rig.leg_with_payloads(leg, [Payload(leg.joint_names[2], 2.0, (0.1, 0.0, -0.05))])
-    assert of_kind(exoid.interaction(estimate, log(swing(loaded, 7))), "body-like-interaction")
 
 
 def test_a_motion_faster_than_the_training_widens_the_band(leg, estimate, unworn):

@@ -1,8 +1,10 @@
 """A cut-off that leaves noise of the angles in the accelerations: named where it moves parameters, and only there."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from swings import Swing, selected
+from swings import Swing
 
 import exoid
 from exoid.experiments import ground
@@ -14,8 +16,8 @@ SWING = Swing(exoid.load_leg("cuhk"), 100.0, smoothing=0.015)
 def found(noise, seed=1000, **options):
     """Findings of the kind, in a log with noise of its angles [rad]."""
     rng = np.random.default_rng(seed)
-    log = selected(SWING.with_noise(rng, 0.05), v=None, a=None)
-    log = selected(log, q=log.q + noise * rng.standard_normal(log.q.shape))
+    log = replace(SWING.with_noise(rng, 0.05), v=None, a=None)
+    log = replace(log, q=log.q + noise * rng.standard_normal(log.q.shape))
     estimate = exoid.identify(SWING.leg, log, **options)
     return [one for one in estimate.findings if one.kind == "noisy-angles"]
 

@@ -9,9 +9,8 @@ import pooch
 import pytest
 
 import exoid
-from exoid.signals import ZeroPhase, zero_phase
+from exoid.signals import ZeroPhase
 from exoid.signals.datasets import dfki
-from exoid.signals.differentiation import central_difference
 
 PUBLISHED = {
     "1.0": {
@@ -150,44 +149,6 @@ def test_leaving_out_the_rotor_must_cost_accuracy(data, estimate):
     without = exoid.identify(data.leg, data.train, terms=(exoid.Coulomb(), exoid.Viscous(), exoid.Offset()))
     ours = exoid.validate(estimate, data.test).nrmse
     assert (exoid.validate(without, data.test).nrmse > ours).any()
-
-
-@pytest.fixture(scope="module")
-def with_velocity(data):
-    """The same two parts with the velocities of the file."""
-    joints = data.leg.joint_names
-    columns = {**dfki.COLUMNS, **{f"v_{joint}": f"vel{i}" for i, joint in enumerate(joints, start=1)}}
-    whole = exoid.Recording.from_csv(dfki.LOG.path(), joints, columns, resample=False)
-    return whole.slice(None, dfki.TRAIN_ROWS).resampled(), whole.slice(dfki.TRAIN_ROWS, None).resampled()
-
-
-@pytest.mark.real_data("dfki_double_pendulum")
-@pytest.mark.parametrize("cutoff", [8.0, 16.0, 60.0])
-def test_the_recorded_velocity_is_one_to_two_milliseconds_late(with_velocity, cutoff):
-    """Least squares on v_recorded(t) = v(t) − lag a(t), with v and a derived from the angle; measured 0.8 to 2.0 ms."""
-    for part in with_velocity:
-        rate, inner = part.sample_rate, slice(200, -200)
-        v = central_difference(zero_phase(part.q, rate, cutoff), rate, 4)
-        a = central_difference(v, rate, 4)[inner]
-        behind = v[inner] - zero_phase(part.v, rate, cutoff)[inner]
-        lag = (a * behind).sum(axis=0) / (a**2).sum(axis=0)
-        print(f"lag at {cutoff:g} Hz [ms]:", (1e3 * lag).round(2))
-        assert (lag > 0.7e-3).all()
-        assert (lag < 2.2e-3).all()
-
-
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_the_recorded_velocity_costs_accuracy_at_the_shoulder(with_velocity, data, estimate):
-    """Measured: 5 % more error with it, 22 % with accelerations derived from it."""
-    ours = exoid.validate(estimate, data.test).nrmse[0]
-    both = [
-        dataclasses.replace(p, a=central_difference(zero_phase(p.v, p.sample_rate, 16.0), p.sample_rate, 4))
-        for p in with_velocity
-    ]
-    for (train, test), least, most in ((with_velocity, 1.03, 1.08), (both, 1.15, 1.3)):
-        late = exoid.validate(exoid.identify(data.leg, train), test).nrmse[0]
-        print("NRMSE at the shoulder:", late.round(4), "against", ours.round(4))
-        assert least < late / ours < most
 
 
 @pytest.mark.real_data("dfki_double_pendulum")

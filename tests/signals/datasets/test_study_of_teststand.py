@@ -1,6 +1,5 @@
 """The study of the test stand: its model is Pinocchio's, it can be turned round, and its figures are the page's."""
 
-import dataclasses
 import sys
 from pathlib import Path
 
@@ -40,13 +39,6 @@ def test_without_friction_and_calibration_the_model_is_pinocchios(samples):
         np.testing.assert_allclose(found[k], expected, atol=1e-12)
 
 
-def test_the_force_from_torques_is_the_model_the_other_way_round(samples, chosen):
-    """Torques of the model give its force back, with friction and the falling torque constant."""
-    exact = dataclasses.replace(samples, tau=study.predicted(samples, chosen.values))
-    found = study.predicted_force(exact, chosen.values)
-    np.testing.assert_allclose(found, samples.force[:, [0, 2]], atol=1e-9)
-
-
 def test_a_falling_torque_constant_explains_the_knee_and_the_hip_is_not_explained(samples, chosen):
     scale = study.fit(samples, (*study.FRICTION, *study.GEOMETRY, *study.MOUNTING, "k2"))
     neither = study.fit(samples, (*study.FRICTION, *study.GEOMETRY, *study.MOUNTING))
@@ -56,19 +48,3 @@ def test_a_falling_torque_constant_explains_the_knee_and_the_hip_is_not_explaine
     hip, knee = study.nrmse(error, samples.tau[samples.half :])
     assert knee < 0.06
     assert 0.10 < hip < 0.20  # 0.03 is not reached, and would be 0.2 mm of the arm
-
-
-def test_the_force_follows_from_torques_that_it_was_not_fitted_to(samples, chosen):
-    error = (study.predicted_force(samples, chosen.values) - samples.force[:, [0, 2]])[samples.half :]
-    x, z = np.sqrt(np.mean(error**2, axis=0))
-    assert x < 0.15
-    assert z < 0.7  # of 40 N
-
-
-def test_the_torque_of_the_hip_needs_no_force_to_be_fitted(samples):
-    """Free parameters of the leg reach 0.02 without the force: such a figure says nothing of the sensor."""
-    still = np.zeros_like(samples.q)
-    columns = samples.leg.regressor(samples.q, still, still)[:, 0]
-    found, (_, test) = study.linear(samples, 0, columns)
-    assert test < 0.03
-    assert abs(found[0]) > 10.0 * samples.leg.parameters[0]

@@ -21,19 +21,6 @@ def test_the_recording_is_in_si_and_split_before_the_end_of_the_chirp():
 
 
 @pytest.mark.real_data("sydney_swing_leg")
-def test_the_leg_swings_as_a_pendulum_under_its_own_gravity():
-    """Free swing without a command: the identified leg has the frequency of the measured angle."""
-    data = exoid.datasets.sydney_swing_leg("inner")
-    est = exoid.identify(data.leg, data.train, check=False)
-    free = data.train.between(4.0, 8.0)
-    q = free.q[:, 0] - free.q[:, 0].mean()
-    crossings = free.time[1:][np.diff(np.sign(q)) > 0]
-    measured = 2.0 * np.pi / np.diff(crossings).mean()
-    expected = np.sqrt(9.81 * est.value("X1") / est.value("J1"))  # small swings, and friction hardly slows them
-    assert measured == pytest.approx(expected, rel=0.05)
-
-
-@pytest.mark.real_data("sydney_swing_leg")
 @pytest.mark.real_data("sydney_swing_leg", "outer")
 @pytest.mark.parametrize("which", ["inner", "outer"])
 def test_the_estimate_is_that_of_the_authors_and_predicts_the_rest_of_the_chirp(which):

@@ -63,14 +63,6 @@ def test_the_wrench_on_the_foot_is_the_force_in_axes_of_the_foot(data):
     assert len(data.test.wrenches[teststand.FOOT]) == len(data.test)
 
 
-@pytest.mark.real_data("teststand_leg")
-def test_the_torque_of_the_knee_stays_at_the_limit_of_its_current(data):
-    limit = 12.0 * 0.025 * 9.0  # A, N·m/A, ratio
-    at_limit = np.abs(data.recording.tau[:, 1] - limit) < 0.03
-    assert 0.33 < at_limit.mean() < 0.37
-    assert data.recording.tau[:, 1].max() < limit + 0.06
-
-
 def test_logs_are_aligned_by_their_counter():
     first = np.column_stack([[1.0, 2.0, 3.0, 5.0, 6.0], [10.0, 20.0, 30.0, 50.0, 60.0]])
     second = np.column_stack([[2.0, 3.0, 4.0, 5.0], [0.2, 0.3, 0.4, 0.5], [-2.0, -3.0, -4.0, -5.0]])
