@@ -61,10 +61,6 @@ def test_a_plan_of_more_samples_than_memory_is_refused_before_it_is_tried(leg, d
         plan_excitation(leg, duration=duration, rate=rate)
 
 
-def test_a_leg_reads_its_own_text_again():
-    assert Leg.from_description(describe(URDF)).joint_names == ("hip",)
-
-
 def test_shapes_that_the_parser_does_not_understand_print_nothing(tmp_path, capfd):
     """The leg has no use for them; the parser prints four lines for each."""
     shape = '<{0}><geometry><mesh filename="a.stl" scale="nan 1 1"/></geometry></{0}>'

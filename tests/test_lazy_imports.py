@@ -75,11 +75,6 @@ def test_every_public_name_can_be_the_first_that_is_used():
     assert run(FROM_NOTHING).split() == exoid.__all__
 
 
-def test_the_promised_packages_are_public():
-    promised = {"codegen", "control", "datasets", "estimate", "experiments", "identification", "published", "reduction"}
-    assert promised | {"reproduce", "rig", "signals", "study", "torques", "view"} <= set(exoid.__all__)
-
-
 def test_nothing_below_the_command_line_imports_the_table_of_contents():
     """It stands above all packages: to import it from one of them would close a circle."""
     package = Path(exoid.__file__).parent
