@@ -9,10 +9,11 @@ import re
 import pytest
 from doc_pages import ROOT, Page, own_leg, real_data, without_spaces
 
+import exoid
+
 DOCS = ROOT / "docs"
 TESTED_ELSEWHERE = {
     "extending": "tests/extension/test_extending_page.py",  # it needs an installed package
-    "control": "tests/control/test_control_page.py",
     "microcontroller": "tests/codegen/test_microcontroller_page.py",
     "view": "tests/view/test_view_docs.py",
 }
@@ -31,6 +32,8 @@ LONG = (
     "validation",
     "wearer",
 )  # more than seven seconds each
+
+CONTROL = ("control", "stance-control", "coordination")
 
 ALL = {path.stem: Page.read(f"docs/{path.name}") for path in sorted(DOCS.glob("*.md"))}
 PAGES = [name for name, page in ALL.items() if page.python or page.commands]
@@ -71,6 +74,12 @@ def test_every_page_that_has_something_to_run_is_run():
     for name, test in TESTED_ELSEWHERE.items():
         assert name in PAGES
         assert f"docs/{name}.md" in (ROOT / test).read_text(encoding="utf-8")
+
+
+def test_the_pages_on_control_name_every_law():
+    text = "".join((DOCS / f"{name}.md").read_text(encoding="utf-8") for name in CONTROL)
+    for name in exoid.control.__all__:
+        assert f"`{name}" in text or f"{name}(" in text, name
 
 
 def test_a_page_that_forgets_an_import_fails(tmp_path):

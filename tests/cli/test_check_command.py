@@ -4,7 +4,6 @@ import dataclasses
 import json
 
 import numpy as np
-import pytest
 from typer.testing import CliRunner
 
 import exoid
@@ -33,14 +32,3 @@ def test_a_late_log_as_table_and_json(tmp_path):
     assert [f["severity"] for f in json.loads(mended.output)["findings"]] == ["info"] * 3
     silent = RUN.invoke(app, ["identify", "bleex", str(tmp_path / "late.csv"), "--no-check", "--json"])
     assert json.loads(silent.output)["findings"] == []
-
-
-@pytest.mark.parametrize("mistake", ["unsigned-torque", "gravity-compensated-effort"])
-def test_torques_that_are_none_are_named(tmp_path, mistake):
-    """A drive that logs the magnitude of its current, and a controller whose effort leaves gravity out."""
-    data = exoid.datasets.bleex_swing()
-    tau = data.train.tau - data.leg.gravity(data.train.q) if mistake.startswith("grav") else np.abs(data.train.tau)
-    dataclasses.replace(data.train, tau=tau).to_csv(tmp_path / "log.csv")
-    done = RUN.invoke(app, ["check", "bleex", str(tmp_path / "log.csv"), "--json"])
-    found = [one for one in json.loads(done.output)["findings"] if one["severity"] == "error"]
-    assert {one["kind"] for one in found} == {mistake}

@@ -1,7 +1,7 @@
 """The commands read logs of every kind alike."""
 
 import pytest
-from log_writers import WRITERS, messages, write_bag
+from log_writers import messages, write_bag
 
 import exoid
 
@@ -21,12 +21,3 @@ def test_the_topic_and_the_stamps_of_a_bag_are_options(exoid_, recording, tmp_pa
     assert exoid_("identify", "bleex", "bag", "--no-check", "--topic", "/right", "--received")[0] == 0
     recording.to_csv(tmp_path / "log.csv")
     assert exoid_("identify", "bleex", "log.csv", "--topic", "/right")[0] == 2
-
-
-def test_a_damaged_log_ends_in_one_line(exoid_, recording, tmp_path):
-    WRITERS["log.parquet"](tmp_path / "log.parquet", recording)
-    (tmp_path / "log.parquet").write_bytes((tmp_path / "log.parquet").read_bytes()[:1000])
-    code, out, err = exoid_("identify", "bleex", "log.parquet")
-    assert (code, out) == (2, "")
-    assert err.startswith("exoid: log.parquet: cannot be read as Parquet")
-    assert err.count("\n") == 1
