@@ -45,7 +45,7 @@ def memory(name: str) -> float:
     return int(line.split()[1]) / 1e3
 
 
-def main(samples: int, terms: tuple[exoid.Term, ...] | None) -> None:
+def main(samples: int, terms: tuple[exoid.torques.Term, ...] | None) -> None:
     """Print what was measured."""
     leg = exoid.load_leg("bleex")
     exoid.identify(leg, long_log(leg, 20_000), terms, check=False)  # whatever has to be imported
