@@ -16,12 +16,14 @@ import argparse
 import sys
 import time
 import warnings
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import scipy
 from joblib import Parallel, delayed
+from steps_on_ground import STAIRS_DOWN, STAIRS_UP, Steps, stepping
 
 import exoid
 from exoid._typing import FloatArray
@@ -36,10 +38,12 @@ from exoid.control.functions import (
     legs_flexion,
     minimum_jerk,
 )
+from exoid.control.functions.function import placed
 from exoid.control.ground import (
     SAFE,
     SOLES,
     TABLE,
+    Belief,
     ContactFilter,
     CoordinatedLoop,
     Coordinator,
@@ -47,24 +51,30 @@ from exoid.control.ground import (
     Rule,
     stance,
 )
+from exoid.control.ground.hypotheses import BLOCK
 from exoid.errors import ExoidError
 from exoid.experiments import ground
 from exoid.experiments.ground.planned_motion import follow, knots, planned_motion, wave
 from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.ground.stance import CLAMP, HAND_RAIL, SWING_GAINS
-from exoid.lab.coordination.day import _bearings, _ground, _reference
+from exoid.lab.coordination.day import Episode, _bearings, _ground, _reference
+from exoid.lab.coordination.study import _delays, _judge
 from exoid.rig.ground import (
     HEALTHY,
     PASSIVE,
+    Block,
     GroundMotion,
     GroundPlant,
     GroundReading,
     GroundRun,
     GroundSensors,
     GroundWearer,
+    Sole,
+    Spring,
     simulate_on_ground,
 )
 from exoid.rig.simulate import Rates
+from exoid.torques.model import TorqueModel
 
 RATES = Rates(control=500.0, log=500.0, step=5e-4)
 TERMS = (exoid.Coulomb(smoothing=0.02), exoid.Viscous(), exoid.Armature())
@@ -149,10 +159,7 @@ def step_shares(now: float) -> dict[str, float]:
 
 
 def free_functions(truth: GroundPlant) -> dict[str, Function]:
-    """Stand, squat by 8 cm and take one step of 6 cm in place, balanced without a rail.
-
-    A foot that lands is not told before it presses: its reference goes 3 cm too deep.
-    """
+    """Stand, squat by 8 cm and take one step of 6 cm in place, balanced without a rail."""
 
     def still(height: float) -> tuple[FloatArray, FloatArray]:
         stance = ground.Stance(height=height, squat=0.0, shift=0.0, bow=0.0)
@@ -164,7 +171,6 @@ def free_functions(truth: GroundPlant) -> dict[str, Function]:
     n, leg, both = len(truth.leg.joint_names), planar_legs(truth)[1], frozenset(SIDES)
     deep = 0.5 * (1.0 - np.cos(2.0 * np.pi * minimum_jerk(PHASE)))
     up = minimum_jerk((PHASE - 0.25) / 0.2) - minimum_jerk((PHASE - 0.45) / 0.3)
-    press = minimum_jerk((PHASE - 0.65) / 0.15) - minimum_jerk((PHASE - 0.9) / 0.1)
     out = {}
     for name, seconds, height, lift, order in (
         ("stand", 1.0, 0.88 + 0.0 * PHASE, 0.0, ((0.0, both),)),
@@ -173,41 +179,127 @@ def free_functions(truth: GroundPlant) -> dict[str, Function]:
     ):
         x = curve(height)
         q, base = x[:, :n], x[:, n:]
-        q[:, leg.joints] = leg.angles(base, 1j * lift * (up - 0.5 * press), 0.0 * PHASE)
+        q[:, leg.joints] = leg.angles(base, 1j * lift * up, 0.0 * PHASE)
         flexion = legs_flexion(truth.leg, q)
         out[name] = Function(name, seconds, flexion, base, order)
     return out
 
 
+def cuhk_functions(body: Body) -> dict[str, Function]:
+    """Stand, squat by 8 cm and lift the right foot by 6 cm, on point feet side by side and a rail."""
+    deep = 0.5 * (1.0 - np.cos(2.0 * np.pi * minimum_jerk(PHASE)))
+    up = minimum_jerk((PHASE - 0.25) / 0.2) - minimum_jerk((PHASE - 0.45) / 0.3)
+    both, left, out = frozenset(SIDES), frozenset(("left",)), {}
+    for name, seconds, sinks, lift, order in (
+        ("stand", 1.0, 0.0, 0.0, ((0.0, both),)),
+        ("squat", 2.5, 0.08, 0.0, ((0.0, both),)),
+        ("step", 2.5, 0.0, 0.06, ((0.0, both), (0.25, left), (0.75, both))),
+    ):
+        hip = 1j * (0.93 * body.leg - sinks * deep)
+        feet = {"left": 0j * PHASE, "right": 1j * lift * up}
+        out[name] = placed(name, body, seconds, hip, 0.0 * PHASE, order, feet=feet)
+    return out
+
+
+class Noted(CoordinatedLoop):
+    """Loop that notes the probability of each set of contacts at every sample."""
+
+    def __post_init__(self) -> None:
+        """Begin the notes."""
+        super().__post_init__()
+        self.told: list[FloatArray] = []
+
+    def __call__(self, reading: GroundReading) -> FloatArray:
+        """Compute the torque, and note what is told."""
+        torque = super().__call__(reading)
+        self.told.append(self._told.probability.copy())
+        return torque
+
+
+def filter_of(model: exoid.Estimate | GroundPlant | exoid.Leg, soles: Mapping[str, Sole]) -> ContactFilter:
+    """Filter of an estimate, of the true machine, or of CAD without friction; the last two believe their numbers."""
+    if isinstance(model, exoid.Estimate):
+        return ContactFilter.of(model, soles, rate=RATES.control)
+    leg = model.leg if isinstance(model, GroundPlant) else model
+    torques = TorqueModel(leg, TERMS)
+    known = (
+        model.values if isinstance(model, GroundPlant) else dict(zip(leg.parameter_names, leg.parameters, strict=True))
+    )
+    values = np.array([known.get(name, 0.0) for name in torques.names])
+    return ContactFilter(torques, values, 0.0 * np.diag(values), soles, np.zeros(3), RATES.control)
+
+
+def walked(truth: GroundPlant, model: exoid.Estimate | GroundPlant | exoid.Leg, name: str, seed: int) -> FloatArray:
+    """Take four steps and stand, balanced by the law alone; the wearer is paralysed."""
+    steps = WALKS[name]
+    functions = stepping(truth, steps)
+    L, climb, blocks, floor = steps.length, steps.climb, tuple[Block, ...](), 0.0
+    if climb > 0.0:
+        blocks = tuple(Block((j - 0.5) * L, 20.0 * L, j * climb) for j in range(1, 8))
+    elif climb < 0.0:
+        blocks, floor = tuple(Block(-2.0, (j + 0.5) * L, (j - 8) * climb) for j in range(8)), -8.0 * climb
+    where = replace(truth, blocks=blocks, ground_lean=steps.slope)
+    x, z, pitch = functions["stand"].torso[0]
+    place = np.exp(-1j * steps.slope) * (x + 1j * z) + 1j * (floor + 5e-4)  # in the axes of the ground
+    names = ("first step", "steps", "last step")
+    first, stride, last = (functions[key].duration for key in names)
+    t = knots(1.8 + first + stride + last)
+    q = np.tile(joint_angles(truth.leg, functions["stand"].flexion[:1]), (len(t), 1))
+    base = np.tile([place.real, place.imag, pitch - steps.slope], (len(t), 1))
+    table = [Rule("stand", "request", names[0]), Rule(names[0], "end", names[1])]
+    table += [Rule(names[1], "request", names[2]), Rule(names[2], "end", "stand"), Rule(SAFE, "known", "stand")]
+    coordinator = Coordinator(functions, truth.leg.limits.effort, table, rate=RATES.control)
+    requests = {0.3: names[0], 0.3 + first + 0.5 * stride: names[2]}
+    told = filter_of(model, where.soles)
+    loop = Noted(stance(model, where.soles), told, coordinator, requests, lean=steps.slope)
+    motion = GroundMotion(t, q, 0.0 * q, base)
+    return judged(where, motion, loop, functions["last step"], None, PASSIVE, seed)
+
+
 def coordinated(truth: GroundPlant, model: exoid.Estimate, name: str, wearer: GroundWearer, seed: int) -> FloatArray:
-    """Do one function in closed loop: whether it ended as it should, and figures of :data:`COORDINATED`."""
+    """Do one function in closed loop, with a hand on a rail where BLEEX has no balance, and for CUHK-EXO always."""
+    points = truth.leg.limbs[0].chain.n == 2
     free = name in ("squat", "step")
-    body, made = Body.of(truth.leg, truth.soles), free_functions(truth) if free else {}
+    body = Body.of(truth.leg, truth.soles)
+    made = {} if not free else cuhk_functions(body) if points else free_functions(truth)
     functions = made or {key: make(body) for key, make in FUNCTIONS.items()}
     function, where = functions[name], truth if free else _ground(truth, name, body, {})
     t = knots(function.duration + 1.5)
     phase = np.clip((t - 0.3) / function.duration, 0.0, 1.0)
     flexion, base = _reference(function, phase)
     q = scipy.interpolate.CubicSpline(PHASE, joint_angles(truth.leg, function.flexion))(phase)
-    motion = planned_motion(where, t, q, base, _bearings(where, function, phase, flexion, base))
+    bearings = _bearings(where, function, phase, flexion, base)
+    motion = planned_motion(where, t, q, base, bearings, held=points)
     rules = [Rule("stand", "request", key) for key in made if key != "stand"]
     rules += [Rule(key, "end", "stand") for key in made if key != "stand"]
     table = (*rules, Rule(SAFE, "known", "stand")) if made else TABLE
     coordinator = Coordinator(functions, truth.leg.limits.effort, table, rate=RATES.control)
-    contacts = ContactFilter.of(model, where.soles, rate=RATES.control)
     start = "sit" if name == "rise" else "stand"
-    loop = CoordinatedLoop(stance(model, where.soles), contacts, coordinator, {0.3: name}, start)
-    rail = None if free else HAND_RAIL
+    told = filter_of(model, where.soles)
+    loop = Noted(stance(model, where.soles), told, coordinator, {0.3: name}, start)
+    return judged(where, motion, loop, function, HAND_RAIL if points or not free else None, wearer, seed)
+
+
+def judged(
+    plant: GroundPlant,
+    motion: GroundMotion,
+    loop: Noted,
+    function: Function,
+    rail: Spring | None,
+    wearer: GroundWearer,
+    seed: int,
+) -> FloatArray:
+    """Run a loop: whether its last function ended as it should, and figures of :data:`COORDINATED`."""
     try:
         run = simulate_on_ground(
-            where, motion, loop, rates=RATES, spring=rail, sensors=SENSORS, wearer=wearer, seed=seed
+            plant, motion, loop, rates=RATES, spring=rail, sensors=SENSORS, wearer=wearer, seed=seed
         )
     except ExoidError:
         return np.array([0.0, *[np.nan] * (len(COORDINATED) - 1)])
     shown = loop.decisions[-len(run.time) :]
-    last, names = shown[-1], {contact_name(truth.leg, link): foot for link, foot in run.feet.items()}
-    end = "sit" if name == "sit" else "stand"
-    far = np.abs(legs_flexion(truth.leg, run.q[-1:])[0] - function.flexion[-1]).max()
+    last, names = shown[-1], {contact_name(plant.leg, link): foot for link, foot in run.feet.items()}
+    end = "sit" if function.name == "sit" else "stand"
+    far = np.abs(legs_flexion(plant.leg, run.q[-1:])[0] - function.flexion[-1]).max()
     safe = any(d.function == SAFE for d in loop.decisions)
     ended = last.function == end and last.level == "support" and far < 0.1 and not safe
     aloft = 0.0
@@ -217,34 +309,75 @@ def coordinated(truth: GroundPlant, model: exoid.Estimate, name: str, wearer: Gr
             air = 0 if on else air + 1
             aloft = max(aloft, air / RATES.log if d.shares.get(side, 0.0) > 0.0 else 0.0)
     damped = sum(d.level == "damping" for d in shown) / RATES.log
-    error = np.sqrt(np.mean((run.q - scipy.interpolate.CubicSpline(t, q)(run.time)) ** 2))
-    held = 0.0 if rail is None else np.linalg.norm(run.wrenches[truth.root_link].force, axis=1).max()
-    return np.array([ended, 1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held])
+    curves = {
+        key: scipy.interpolate.CubicSpline(PHASE, joint_angles(plant.leg, each.flexion))
+        for key, each in loop.coordinator.functions.items()
+    }
+    planned = np.array(
+        [q if d.function == SAFE else curves[d.function](d.phase) for d, q in zip(shown, run.q, strict=True)]
+    )
+    error = np.sqrt(np.mean((run.q - planned) ** 2))
+    held = 0.0 if rail is None else np.linalg.norm(run.wrenches[plant.root_link].force, axis=1).max()
+    every = round(BLOCK * RATES.control)
+    rows = np.array(loop.told[-len(run.time) :])[every - 1 :: every]
+    episode, belief = Episode(function, run, 0.0 * run.time, run.q), Belief(rows, np.zeros(0))
+    right, sure = _judge(loop.contacts, episode, belief)
+    late = _delays(loop.contacts, episode, belief)
+    wrong = 100.0 * float(np.mean(~right[sure]))
+    delay = 1e3 * float(np.quantile(late, 0.95)) if late else np.nan
+    figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
+    return np.array([ended, *figures])
 
 
-COORDINATED = ("ended", "end [mrad]", "joints [mrad]", "damped [ms]", "in air [ms]", "torque [N·m]", "rail [N]")
-"""Columns of the closed loop: error at the end and RMS, time of damping and of support in the air, largest forces."""
+COORDINATED = (
+    "ended",
+    "end [mrad]",
+    "joints [mrad]",
+    "damped [ms]",
+    "air [ms]",
+    "torque [N·m]",
+    "rail [N]",
+    "wrong [%]",
+    "delay [ms]",
+)
+"""Columns of the closed loop: errors of joints at the end and RMS, time of damping and of support in the air, largest
+forces, contacts told wrong further than 100 ms from a transition, and 95 % of delays."""
+
+WALKS = {
+    "walk": Steps(),
+    "slope": Steps(slope=0.08),
+    "stairs up": STAIRS_UP,
+    "stairs down": STAIRS_DOWN,
+}
+"""Steps of BLEEX without hands."""
 
 
-def all_coordinated(seed: int) -> dict[tuple[str, str], FloatArray]:
+def all_coordinated(machine: str, seed: int, only: str | None = None) -> dict[tuple[str, str], FloatArray]:
     """Figures of a seed by function and wearer."""
     warnings.simplefilter("ignore")
-    truth = truth_of("bleex", np.random.default_rng(seed))
-    model = identified("bleex", truth, 10 * seed)
-    wearers = {"passive": PASSIVE, "healthy": HEALTHY}
-    names = ("rise", "sit", "squat", "step")
-    return {(name, who): coordinated(truth, model, name, wearers[who], seed) for name in names for who in wearers}
+    truth = truth_of(machine, np.random.default_rng(seed))
+    model = identified(machine, truth, 10 * seed)
+    out, wearers = {}, {"passive": PASSIVE, "healthy": HEALTHY}
+    for name in ("rise", "sit", "squat", "step"):
+        out |= {(name, who): wearers[who] for who in wearers if only in (None, name)}
+    out = {key: coordinated(truth, model, key[0], who, seed) for key, who in out.items()}
+    if machine == "bleex":
+        out |= {(name, "passive"): walked(truth, model, name, seed) for name in WALKS if only in (None, name)}
+        models = {"truth": truth, "CAD": exoid.load_exo("bleex", base="floating")}
+        if only in (None, "walk"):
+            out |= {("walk", who): walked(truth, each, "walk", seed) for who, each in models.items()}
+    return out
 
 
-def print_coordinated(seeds: range, jobs: int) -> None:
+def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -> None:
     """Run the closed loop, and print how many cases end as they should, and the largest figures."""
-    found = Parallel(n_jobs=jobs)(delayed(all_coordinated)(s) for s in seeds)
-    print(f"bleex: {len(seeds)} seeds from {seeds[0]}; ended, and the worst of each figure")
-    print(f"{'':16s}" + "".join(f"{name:>15s}" for name in COORDINATED))
+    found = Parallel(n_jobs=jobs)(delayed(all_coordinated)(machine, s, only) for s in seeds)
+    print(f"{machine}: {len(seeds)} seeds from {seeds[0]}; ended, and the worst of each figure")
+    print(f"{'':20s}" + "".join(f"{name:>14s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        cells = "".join(f"{worst:15.3g}" for worst in np.nanmax(rows[:, 1:], axis=0))
-        print(f"{name:6s} {who:9s}{int(rows[:, 0].sum()):10d} of {len(rows)}{cells}")
+        cells = "".join(f"{worst:14.3g}" for worst in np.nanmax(rows[:, 1:], axis=0))
+        print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):9d} of {len(rows)}{cells}", flush=True)
 
 
 class Probe(GroundLoop):
@@ -327,13 +460,14 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--first", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts, of BLEEX")
+    parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
-    parser.add_argument("--motion", choices=("squats", "step"), default=None)
+    parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, squat, step, walk, ...")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     if options.coordinated:
-        print_coordinated(seeds, options.jobs)
+        for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
+            print_coordinated(machine, seeds, options.jobs, options.motion)
         return
     for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
         begun = time.perf_counter()

@@ -88,13 +88,6 @@ class LawReplay(ReadOnly):
         """
         return {"law": self.law, "rate": self.rate, **json_value(self.figures)}
 
-    def __repr__(self) -> str:
-        """Name the controller and its largest torques."""
-        peaks = ", ".join(
-            f"{n} {x:.3g} N·m" for n, x in zip(self.joint_names, self.figures["peak_torque"], strict=True)
-        )
-        return f"LawReplay({self.law} at {self.rate:g} Hz: peak {peaks})"
-
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
         titles = {
@@ -159,10 +152,8 @@ def replay_law(
     followed = follow_log(recording) if reference is None or recording.v is None else None
     elapsed = recording.time - recording.time[0]
     edge = 0.0 if followed is None else followed.edge
-    times = (
-        np.arange(np.ceil(max(0.0, edge * law.rate - 1e-9)), np.floor((elapsed[-1] - edge) * law.rate + 1e-9) + 1)
-        / law.rate
-    )
+    first, last = np.ceil(max(0.0, edge * law.rate - 1e-9)), np.floor((elapsed[-1] - edge) * law.rate + 1e-9)
+    times = np.arange(first, last + 1) / law.rate
     if len(times) < 2:
         raise BadArgumentError(
             f"a log of {elapsed[-1]:g} s is too short", where=where, remedy="give one of several seconds"

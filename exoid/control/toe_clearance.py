@@ -31,13 +31,6 @@ class ToeClearance:
     touches: float
     least: float
 
-    def __repr__(self) -> str:
-        """Write the clearance in one line."""
-        return (
-            f"ToeClearance(planned {1e3 * self.planned.min():.3g} mm, above {1e3 * self.least:.3g} mm with 95 %, "
-            f"touches with {100.0 * self.touches:.2g} %)"
-        )
-
 
 def toe_clearance(
     estimate: EstimateData,

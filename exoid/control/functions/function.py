@@ -15,9 +15,6 @@ from .body import SIDES, Body
 PHASE = np.linspace(0.0, 1.0, 201)
 """Phases at which trajectories are tabulated."""
 
-ROOM = 0.5
-"""Distance from the first or last posture within which a function may begin or end [rad], an assumption."""
-
 Contacts = frozenset[str]
 
 
@@ -32,6 +29,7 @@ class Function:
         torso: Hip forward and up from the ground under the start [m], and pitch [rad], (K, 3).
         contacts: Sets of contacts in order, each with the phase at which it begins.
         cyclic: Whether phase 1 is followed by phase 0.
+        room: Distance from the first or last posture within which it may begin or end [rad], an assumption.
 
     Raises:
         ExoidError: The duration is not positive, or above a minute.
@@ -43,6 +41,7 @@ class Function:
     torso: FloatArray
     contacts: tuple[tuple[float, Contacts], ...]
     cyclic: bool = False
+    room: float = 0.5
 
     def __post_init__(self) -> None:
         """Check the duration."""
@@ -56,10 +55,10 @@ class Function:
             flexion: Flexion of both legs [rad], (2, 3).
 
         Returns:
-            Whether each angle is within :data:`ROOM` of the trajectory.
+            Whether each angle is within ``room`` of the trajectory.
         """
         planned = self.flexion[round(phase * (len(PHASE) - 1))]
-        return bool((np.abs(flexion - planned) <= ROOM).all())
+        return bool((np.abs(flexion - planned) <= self.room).all())
 
     def expected(self, phase: float) -> Contacts:
         """Look up the contacts that the function expects.

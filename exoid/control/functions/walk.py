@@ -50,28 +50,20 @@ def _csv_stride(path: Path, scale: float) -> FloatArray:
     """Read a stride from a CSV file, without the last phase."""
     try:
         table = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
-    except (OSError, ValueError) as error:
+        column = {name: np.atleast_1d(table[name]) for name in table.dtype.names or ()}  # type: ignore[call-overload]
+        phase = np.unwrap(2.0 * np.pi * column["phase"]) / (2.0 * np.pi)
+        columns = [column["hip_deg"], column["knee_deg"], column.get("ankle_deg", np.zeros(len(phase)))]
+        angles = np.deg2rad(np.column_stack(columns))
+    except (OSError, ValueError, KeyError) as error:
         raise UnreadableInputError(
-            f"no table ({error})", where=str(path), remedy="give a CSV file with a header"
-        ) from error
-    names = table.dtype.names or ()
-    column = {name: np.atleast_1d(table[name]) for name in names}  # type: ignore[call-overload]  # a structured array
-    missing = [name for name in ("phase", "hip_deg", "knee_deg") if name not in names]
-    if missing or table.size < 8:
-        raise UnreadableInputError(
-            f"{table.size} rows, without {', '.join(missing) or 'enough of them'}",
+            f"no table of a stride ({error})",
             where=str(path),
-            remedy="give columns phase (0 to 1), hip_deg, knee_deg, and perhaps ankle_deg, of at least 8 phases",
-        )
-    phase = np.unwrap(2.0 * np.pi * column["phase"]) / (2.0 * np.pi)
-    columns = [
-        np.deg2rad(column[name]) if name in names else np.zeros(table.size)
-        for name in ("hip_deg", "knee_deg", "ankle_deg")
-    ]
-    angles = np.column_stack(columns)
-    if not np.isfinite(angles).all() or not (np.diff(phase) > 0.0).all() or phase[-1] - phase[0] < 0.9:
+            remedy="give columns phase (0 to 1), hip_deg, knee_deg, and perhaps ankle_deg, below a header",
+        ) from error
+    rises = len(phase) >= 8 and (np.diff(phase) > 0.0).all() and phase[-1] - phase[0] >= 0.9
+    if not rises or not np.isfinite(angles).all():
         raise UnreadableInputError(
-            "the stride is not finite, or its phase does not rise over a whole stride",
+            "the stride is not finite, has fewer than 8 phases, or they do not rise over a whole stride",
             where=str(path),
             remedy="check its rows",
         )

@@ -177,7 +177,11 @@ class Coordinator:
         doubt = held and not known
         total = max(sum(probability.values()), 1e-9) if doubt else 1.0  # a jolt makes all sets less probable alike
         bears = {name: sum(p for each, p in probability.items() if name in each) / total for name in (*SIDES, SEAT)}
-        planned = memory.known if memory.function == SAFE else self.functions[memory.function].expected(memory.phase)
+        planned, leaving = memory.known, frozenset[str]()
+        if memory.function != SAFE:
+            function = self.functions[memory.function]
+            planned = function.expected(memory.phase)
+            leaving = memory.known - function.expected(memory.phase + self.transfer / function.duration)
         kept = []
         for name in memory.known:  # a foot that is planned in the air needs proof that lasts
             proven = name in planned or memory.settled >= self.lasts
@@ -185,10 +189,9 @@ class Coordinator:
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]
         level = "support" if known else "frozen" if held or feet else "damping"
-        leaving = self._leaving(memory)
         for name in (*SIDES, SEAT):  # what is left bears less and less in doubt, too
             way = -1.0 if name in leaving else 0.0 if level == "frozen" else 1.0
-            course = memory.loaded.get(name, 0.0) + way * dt / self.transfer
+            course = max(memory.loaded.get(name, 0.0), 0.3 * (way > 0.0)) + way * dt / self.transfer
             bearing = name in kept and level != "damping"
             memory.loaded[name] = min(max(course, 0.0), 1.0) if bearing else 0.0
         if level == "damping" or not feet:
@@ -211,13 +214,6 @@ class Coordinator:
             return frozenset()
         function = self.functions[memory.function]
         return {function.expected(memory.phase + way / function.duration) for way in (-self.about, 0.0, self.about)}
-
-    def _leaving(self, memory: CoordinatorMemory) -> Contacts:
-        """Contacts that the function gives up within the time of a transfer; another foot bears the load."""
-        if memory.function == SAFE:
-            return frozenset()
-        function = self.functions[memory.function]
-        return memory.known - function.expected(memory.phase + self.transfer / function.duration)
 
     def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
         """Bound torque and power, and rate and jerk of the torque.
@@ -254,7 +250,8 @@ class Coordinator:
             memory.request, memory.waiting = request, 0.0
         elif memory.request is not None:
             memory.waiting += dt
-            memory.request = memory.request if memory.waiting < self.patience else None
+            stride = 0.0 if memory.function == SAFE else self.functions[memory.function].duration
+            memory.request = memory.request if memory.waiting < max(self.patience, stride) else None
         if memory.function == SAFE:
             self._recover(memory, contacts, flexion)
             return
@@ -292,10 +289,8 @@ class Coordinator:
         if contacts is None or memory.settled < 0.3:
             return
         for rule in self.table:
-            if rule.function != SAFE or rule.condition != "known":
-                continue
-            then = self.functions[rule.then]
-            if contacts == then.expected(1.0) and then.near(1.0, flexion):
+            then = self.functions.get(rule.then)
+            if rule.function == SAFE and then and contacts == then.expected(1.0) and then.near(1.0, flexion):
                 self._enter(memory, rule.then, 1.0)
                 return
 

@@ -98,6 +98,7 @@ class Memory:
     left: int = 0  # samples since the last block
     last: FloatArray | None = None  # last sample of angles, torques and gyroscope
     still: NDArray[np.intp] | None = None  # samples for which each of them has not changed
+    frozen: BoolArray | bool = False  # which of them did not change while the machine moved, and still do not
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -116,7 +117,7 @@ class ContactFilter:
         soles: Sole of each link that may bear load; one of the root link is a seat.
         imu_position: Place of the IMU in the axes of the root link [m], (3,).
         rate: Rate of the readings [Hz].
-        cutoff: Cut-off frequency of the low-pass [Hz].
+        cutoff: Cut-off frequency of the low-pass [Hz], which delays by 3/(2π cutoff).
         noise: Noise and prior rates.
     """
 
@@ -137,7 +138,6 @@ class ContactFilter:
         imu_position: Sequence[float] = (0.0, 0.0, 0.0),
         *,
         rate: float = 500.0,
-        cutoff: float = 40.0,
     ) -> ContactFilter:
         """Make the filter of an estimate.
 
@@ -147,7 +147,6 @@ class ContactFilter:
                 seat.
             imu_position: Place of the IMU in the axes of the root link [m].
             rate: Rate of the readings [Hz].
-            cutoff: Cut-off frequency of the low-pass [Hz]. It delays by 3/(2π cutoff).
 
         Returns:
             The filter.
@@ -164,11 +163,10 @@ class ContactFilter:
             )
         if not 1 <= len(soles) <= 3:
             raise BadArgumentError(f"{len(soles)} soles", remedy="give one to three: two feet and a seat")
-        if not 0.0 < 4.0 * cutoff <= rate * (1.0 + 1e-9):
-            raise BadArgumentError(f"a cut-off of {cutoff:g} Hz at {rate:g} Hz", remedy="at most a quarter of the rate")
-        place = np.asarray(imu_position, dtype=np.float64)
-        model, values = estimate.model, np.asarray(estimate.values)
-        return cls(model, values, np.asarray(estimate.covariance), dict(soles), place, rate, cutoff)
+        if not rate >= 4.0 * cls.cutoff:
+            raise BadArgumentError(f"readings at {rate:g} Hz", remedy=f"give {4.0 * cls.cutoff:g} Hz or more")
+        numbers = np.asarray(estimate.values), np.asarray(estimate.covariance)
+        return cls(estimate.model, *numbers, dict(soles), np.asarray(imu_position, dtype=np.float64), rate)
 
     @cached_property
     def sets(self) -> tuple[frozenset[str], ...]:
@@ -232,7 +230,7 @@ class ContactFilter:
         memory.left = (memory.left + len(readings.q)) % every
         low, speed, change = self._filtered(memory, readings, ends)
         likelihood, wrenches, misfit = self._evidence(low, speed, change)
-        frozen = self._frozen(memory, readings)[ends] & (np.abs(speed).max(axis=1) > self.noise.moves)
+        still, moves = self._still(memory, readings)[ends], np.abs(speed).max(axis=1) > self.noise.moves
         unknown = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
         switched = [link for link in self.feet if link in readings.switches]
         own = [self.feet.index(link) for link in switched]
@@ -248,8 +246,10 @@ class ContactFilter:
             memory.misfit += BLOCK / self.noise.agrees * (misfit[k] - memory.misfit)
             wrong = memory.misfit > self.noise.misfit  # jolts are short
             memory.distrusted = self.noise.distrusted if wrong else max(memory.distrusted - BLOCK, 0.0)
-            # a frozen encoder explains the rows by another set: nothing but its constant reading tells
-            if frozen[k] or memory.distrusted > 0.0:
+            # a frozen encoder explains the rows by another set: nothing but its constant reading tells. At rest any
+            # reading may be constant, so that one which was when the machine moved is frozen until it changes
+            memory.frozen = still[k] & (memory.frozen | moves[k])
+            if np.any(memory.frozen) or memory.distrusted > 0.0:
                 likelihood[k] = unknown
             score = self.noise.temper * (likelihood[k] - likelihood[k].max()) + surprise
             if flags.size:
@@ -315,8 +315,8 @@ class ContactFilter:
             out.append(y[ends])
         return out[0], out[1], out[2]
 
-    def _frozen(self, memory: Memory, readings: ContactReadings) -> BoolArray:
-        """Samples at which an angle, a torque or the gyroscope has not changed at all for a while."""
+    def _still(self, memory: Memory, readings: ContactReadings) -> BoolArray:
+        """Whether each angle, torque and the gyroscope has not changed at all for a while at each sample, (N, C)."""
         spin = readings.gyro @ self.model.leg.plane.lateral  # all that a planar machine turns
         x = np.hstack([readings.q, readings.tau, spin[:, np.newaxis]])
         last = x[0] - 1.0 if memory.last is None else memory.last
@@ -325,7 +325,7 @@ class ContactFilter:
         changed = np.where(np.diff(x, axis=0, prepend=last[np.newaxis]) != 0.0, row, -still)
         count = row - np.maximum.accumulate(changed, axis=0)
         memory.last, memory.still = x[-1], count[-1]
-        return np.asarray((count >= self.noise.freezes * self.rate).any(axis=1))
+        return np.asarray(count >= self.noise.freezes * self.rate)
 
     def _evidence(
         self, low: FloatArray, speed: FloatArray, change: FloatArray

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.control.functions import PHASE, contact_name, joint_angles, legs_flexion, minimum_jerk
+from exoid.control.functions import PHASE, SIDES, Contacts, contact_name, joint_angles, legs_flexion, minimum_jerk
 from exoid.errors import BadArgumentError
 from exoid.rig.ground import GroundMotion, GroundReading
 
@@ -26,11 +26,17 @@ BOUNCE = 0.02
 LEVEL = 0.05
 """Tilt up to which a sole counts as flat, which presses both its ends down [rad]."""
 
+TURNS = 0.01
+"""Planned tilt from which a sole turns about its heel or toe [rad]."""
+
 BRAKE = 5.0
 """Damping of the joints while nothing touches the ground [N·m·s/rad], an assumption."""
 
 BLENDING = 0.5
 """Time in which the reference moves from one function to the next [s], an assumption."""
+
+SEEK, LONGEST = 0.2, 0.4
+"""Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
 
 
 @dataclass(eq=False)
@@ -52,8 +58,11 @@ class LawLoop:
         """Torque by the soles with a share; a tilted one touches with heel or toe. None without any."""
         contacts: dict[str, ContactKind] = {}
         for link in shares:
-            tilt = reading.pitch + self.law.model.turns[link] @ reading.q - self.lean
-            contacts[link] = "flat" if abs(tilt) < LEVEL else "heel" if tilt > 0.0 else "toe"
+            turns = self.law.model.turns[link]
+            planned, tilt = target.pitch + turns @ target.q - self.lean, reading.pitch + turns @ reading.q - self.lean
+            # a sole that is to turn about its toe must not be held: the machine would work against itself
+            tilt, level = (planned, TURNS) if abs(planned) > TURNS else (tilt, LEVEL)
+            contacts[link] = "flat" if abs(tilt) < level else "heel" if tilt > 0.0 else "toe"
         pose = reading.q, reading.v, reading.pitch, reading.pitch_rate
         self.state = GroundState(*pose, contacts, shares, interaction, reading.push, self.lean)
         command = self.law.command(self.state, target) if contacts else None
@@ -172,8 +181,10 @@ class CoordinatedLoop(LawLoop):
             reference = np.column_stack([joint_angles(leg, each.flexion), each.torso[:, 2]])
             self._curves[name] = scipy.interpolate.CubicSpline(PHASE, reference)
         self._x: FloatArray | None = None  # last reference of joints and pitch
-        self._off: FloatArray | float = 0.0  # its distance from the function when that began
-        self._since = 0.0  # time since then [s]
+        self._off = np.zeros(self.law.model.n + 1)  # distance from the function when it began, or a foot landed
+        self._since = np.zeros(self.law.model.n + 1)  # time since then [s]
+        self._bears: Contacts = self._memory.known  # contacts that bore at the last sample
+        self._late = dict.fromkeys(SIDES, 0.0)  # time for which a planned foot has not borne [s]
 
     def __call__(self, reading: GroundReading) -> FloatArray:
         """Compute the torque to hold until the next sample.
@@ -191,7 +202,8 @@ class CoordinatedLoop(LawLoop):
         decision = self.coordinator.decide(self._memory, self._chances, flexion, request)
         self.decisions.append(decision)
         shares = {self._links[name]: share for name, share in decision.shares.items() if share > 0.0}
-        torque = self.supported(reading, shares, self._follow(*before), reading.interaction)
+        target = self._follow(*before, reading.q, frozenset(decision.shares))
+        torque = self.supported(reading, shares, target, reading.interaction)
         wanted = -self.coordinator.damping * reading.v if torque is None else torque
         if self._memory.torque is None:
             self._memory.torque = wanted  # brakes hold the machine until then
@@ -211,24 +223,43 @@ class CoordinatedLoop(LawLoop):
             self._chances = self.contacts.chances(belief.probability[-1])
             self._waiting.clear()
 
-    def _follow(self, function: str, phase: float) -> GroundTarget:
+    def _follow(self, function: str, phase: float, q: FloatArray, bears: Contacts) -> GroundTarget:
         """Reference of the function that runs, given the last one and its phase; the safe stop stays where it is."""
         now, dt = self._memory, 1.0 / self.coordinator.rate
+        lands, self._bears = bears - self._bears, bears
         curve = self._curves.get(now.function)
         if curve is None:
             still = np.zeros(self.law.model.n + 1)
-            self._off = self._since = 0.0
+            self._off[:] = self._since[:] = 0.0
             return _target(self._x if self._x is not None else still, still, still)
         x, slope, bend = (curve(now.phase, k) for k in range(3))
         rate = (now.phase - phase) / dt
         if now.function != function:
-            rate, self._since = 0.0, 0.0
-            self._off = 0.0 if self._x is None else self._x - x
+            rate, self._since[:] = 0.0, 0.0
+            self._off[:] = 0.0 if self._x is None else self._x - x
         elif rate < 0.0:
             rate += 1.0 / dt  # of a cyclic function
+        late = self.coordinator.functions[now.function].expected(now.phase) - bears
+        lower, speed = np.zeros(len(x)), slope * rate
+        for limb, side in zip(self.law.model.leg.limbs, SIDES, strict=True):
+            own = limb.joints
+            if side in lands:  # early or late: it stays where it is, or both legs would press against each other
+                self._since[own], self._off[own] = 0.0, q[own] - x[own]
+            self._late[side] = min(self._late[side] + dt, LONGEST) if side in late else 0.0
+            if side in late:
+                speed[own] += (way := SEEK * self._lowering(q, side, own))
+                lower[own] = self._late[side] * way
         self._since += dt
         self._x = x + self._off * (1.0 - minimum_jerk(self._since / BLENDING))
-        return _target(self._x, slope * rate, bend * rate**2)
+        return _target(self._x + lower, speed, bend * rate**2)
+
+    def _lowering(self, q: FloatArray, side: str, joints: slice) -> FloatArray:
+        """Change of the angles of a leg that lowers its sole by 1 m, parallel to itself if it has an ankle."""
+        leg, link = self.law.model.leg, self._links[side]
+        J = leg.frame_jacobian(q[np.newaxis], link, self.contacts.soles[link].centre)[0, :, leg.base_rows :][:, joints]
+        forward, lateral, up = leg.plane
+        rows = np.array([up @ J[:3], forward @ J[:3], lateral @ J[3:]])[: J.shape[1]]
+        return np.asarray(np.linalg.lstsq(rows, -np.eye(len(rows))[0])[0])
 
 
 def _target(x: FloatArray, v: FloatArray, a: FloatArray) -> GroundTarget:

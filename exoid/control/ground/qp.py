@@ -52,6 +52,5 @@ def minimise(daqp: Any, A: FloatArray, b: FloatArray, groups: Sequence[Rows]) ->
         y, _, exit_flag, _ = daqp.solve(A.T @ A, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
         if exit_flag > 0:
             return Minimum(np.asarray(y), softened < 2)
-    return Minimum(
-        np.asarray(np.linalg.lstsq(A, b)[0], dtype=np.float64), False
-    )  # numbers that no solver takes: the torque is clipped in the end
+    # numbers that no solver takes: the torque is clipped in the end
+    return Minimum(np.asarray(np.linalg.lstsq(A, b)[0], dtype=np.float64), False)

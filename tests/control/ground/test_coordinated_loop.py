@@ -78,6 +78,22 @@ def test_filter_and_coordinator_have_one_rate(machine):
         loop_of(machine, {}, rate=250.0)
 
 
+def test_a_foot_that_is_planned_on_the_ground_and_not_felt_is_lowered_until_it_bears(machine):
+    """The right foot begins 2 cm above the ground: a step that ends higher than planned."""
+    loop, body = loop_of(machine, {}), Body.of(machine.leg, machine.soles)
+    stand, time = loop.coordinator.functions["stand"], np.arange(0.0, 1.2, 0.01)
+    flexion, (forward, up, pitch) = stand.flexion[:1].copy(), stand.torso[0]
+    flexion[:, 1] = body.reach(np.array([forward + 1j * up]), pitch, np.array([0.02j]), 0.0)
+    q = np.tile(joint_angles(machine.leg, flexion), (len(time), 1))
+    motion = GroundMotion(time, q, np.zeros_like(q), np.tile(stand.torso[0], (len(time), 1)))
+    run = simulate_on_ground(machine, motion, loop, rates=RATES, sensors=SENSORS, spring=HAND_RAIL, seed=3)
+    right = run.feet["right_foot"]
+    assert not right.touching[:20].any()
+    assert right.force[-50:, 2].min() > 100.0
+    assert set(loop.decisions[-1].shares) == {*SIDES}
+    assert np.abs(run.q[-1] - joint_angles(machine.leg, stand.flexion[:1])[0]).max() < 0.05
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("wearer", [PASSIVE, HEALTHY], ids=["passive", "healthy"])
 @pytest.mark.parametrize(("name", "start", "end"), [("rise", "sit", "stand"), ("sit", "stand", "sit")])

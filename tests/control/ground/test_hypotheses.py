@@ -94,7 +94,7 @@ def test_blocks_that_come_one_by_one_give_the_same_as_a_log(told):
     np.testing.assert_allclose(np.concatenate(pieces), whole, rtol=0, atol=1e-9)
 
 
-def test_a_frozen_sensor_makes_contacts_unknown(told):
+def test_a_frozen_sensor_makes_contacts_unknown_until_it_changes(told):
     contacts, episode, log = told["walk"]
     readings = study.readings_of(contacts, log)
     q = readings.q.copy()
@@ -104,6 +104,9 @@ def test_a_frozen_sensor_makes_contacts_unknown(told):
     fast = np.abs(others).max(axis=1) > 1.0
     late = np.arange(len(belief.probability)) > 210
     assert (belief.probability[fast & late, -1] > 0.5).mean() > 0.9
+    assert (belief.probability[220:, -1] > 0.5).mean() > 0.98  # at rest, too
+    q[1500:] = readings.q[1500:]
+    assert (contacts.advance(contacts.begin(), readings._replace(q=q)).probability[350:, -1] < 0.5).mean() > 0.9
 
 
 REFUSED = {
