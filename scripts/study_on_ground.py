@@ -421,6 +421,11 @@ def figures(loop: Probe, run: GroundRun) -> dict[str, float]:
     out["step at changes [% of range]"] = 100.0 * float((steps / np.ptp(run.tau, axis=0)).max()) if len(steps) else 0.0
     elsewhere = np.quantile(every[~changes[1:]], 0.99, axis=0) / np.ptp(run.tau, axis=0)
     out["99 % of steps elsewhere [% of range]"] = 100.0 * float(elsewhere.max())
+    # between samples noise of encoders times gains counts as well; not in means over 10 ms before and after
+    means = np.lib.stride_tricks.sliding_window_view(run.tau, 5, axis=0).mean(axis=2)
+    shifts, near = 100.0 * np.abs(means[5:] - means[:-5]) / np.ptp(run.tau, axis=0), changes[5:-4]
+    out["mean shift at changes [% of range]"] = float(shifts[near].max()) if near.any() else 0.0
+    out["largest mean shift elsewhere [% of range]"] = float(shifts[~near].max())
     out["infeasible [%]"] = 100.0 * float(np.mean([not (c and c.feasible) for c in loop.commands]))
     return out
 
