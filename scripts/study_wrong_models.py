@@ -69,10 +69,15 @@ def table_iii_model() -> ControlModel:
     )
 
 
-def compare(seed: int = 0, rotor: float = 0.8, names: Container[str] | None = None) -> dict[str, Tracking]:
-    """Let laws, all or some of them, follow the gait on the rig."""
+def compare(
+    seed: int = 0,
+    rotor: float = 0.8,
+    names: Container[str] | None = None,
+    estimate: exoid.Estimate | None = None,
+) -> dict[str, Tracking]:
+    """Let laws, all or some of them, follow the gait on the rig; they know an estimate, by default one of this seed."""
     plant = tracking_plant(rotor)
-    every = wrong_laws(ControlModel.of(identify_for_tracking(plant, seed)))
+    every = wrong_laws(ControlModel.of(estimate or identify_for_tracking(plant, seed)))
     laws = {name: law for name, law in every.items() if names is None or name in names}
     heavy = plant_with_payloads(plant, [WEIGHT])
     rigs = {name: heavy if name.endswith(LOADED) else plant for name in laws}

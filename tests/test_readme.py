@@ -67,15 +67,13 @@ def test_one_line_replays_the_documents_and_one_runs_the_tests():
     assert "pip install '.[test]' && pytest" in lines
 
 
-def test_every_parameter_is_in_the_table():
+def test_every_parameter_is_in_the_table(data):
     text = README.read_text(encoding="utf-8")
-    data = exoid.datasets.bleex_swing()
     names = exoid.identify(data.leg, data.train).names
     for symbol in {name.split("_")[0] for name in names if "_" in name}:
         assert f"`{symbol}_<joint>`" in text
 
 
-def test_the_parameter_that_is_shown_is_the_one_that_is_identified():
-    data = exoid.datasets.bleex_swing()
+def test_the_parameter_that_is_shown_is_the_one_that_is_identified(data):
     found = exoid.identify(data.leg, data.train, check=False)["X1"]
     assert f"`X1  {found.value:.4f} ± {found.std:.4f} kg·m`" in README.read_text(encoding="utf-8")

@@ -48,9 +48,8 @@ def test_tilting_the_torso_tells_hip_stiffness_from_the_mass_moments():
 # -----------------------------------------------------------------------------------------------------
 
 
-def test_180_degree_pairs_for_the_knee_would_need_more_than_the_hip_can_travel():
+def test_180_degree_pairs_for_the_knee_would_need_more_than_the_hip_can_travel(leg):
     """The knee angle must be the same in both, so the hip alone would have to turn by 180°."""
-    leg = exoid.load_leg("bleex")
     lowest, highest = leg.limits.lower[0], leg.limits.upper[0]
     assert highest - lowest < np.pi
     for hip in np.linspace(lowest, highest, 50):
@@ -58,8 +57,7 @@ def test_180_degree_pairs_for_the_knee_would_need_more_than_the_hip_can_travel()
             refuse_poses_beyond_limits(leg, [[hip, -0.5, 0.0], [hip + np.pi, -0.5, 0.0]])
 
 
-def test_poses_with_different_sums_of_angles_give_the_knees_constant_without_pairs():
-    leg = exoid.load_leg("bleex")
+def test_poses_with_different_sums_of_angles_give_the_knees_constant_without_pairs(leg):
     model = TorqueModel(leg, (Stiffness(joints=("knee",)),))
     q = bleex.static_sets(np.random.default_rng(0)).random
     fixed = np.column_stack([q[:, 0], np.full(len(q), -0.6), q[:, 2]])  # the same knee angle throughout
@@ -131,8 +129,7 @@ def test_static_friction_of_a_held_joint_carries_what_j3_should():
     assert held_ankle_j3(lambda v, a: -0.05 * np.sign(a)) < -0.15
 
 
-def test_static_friction_of_unknown_sign_is_gone_from_the_mean_of_both_directions():
-    leg = exoid.load_leg("bleex")
+def test_static_friction_of_unknown_sign_is_gone_from_the_mean_of_both_directions(leg):
     q = bleex.static_sets(np.random.default_rng(0)).random
     still, friction = np.zeros_like(q), np.array([0.5, 0.53, 0.26])
     gravity = leg.inverse_dynamics(q, still, still)

@@ -17,7 +17,7 @@ def run(*arguments):
     return CliRunner().invoke(app, list(arguments), catch_exceptions=True)
 
 
-def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
+def test_known_prior_and_bounds_reach_the_estimate(tmp_path, data):
     path = tmp_path / "e.json"
     done = run(
         "identify", "bleex_swing", LOG, "-o", str(path), "--known", "X1=4.1",
@@ -28,7 +28,6 @@ def test_known_prior_and_bounds_reach_the_estimate(tmp_path):
     assert estimate.value("X1") == 4.1
     assert dict(estimate.prior_knowledge.prior.values) == {"J3": (0.05, 0.01), "Y3": (0.1, 0.02)}
     assert estimate.prior_knowledge.nonnegative
-    data = exoid.datasets.bleex_swing()
     same = exoid.identify(
         data.leg, data.train, known={"X1": 4.1}, prior=dict(estimate.prior_knowledge.prior.values),
         nonnegative=True, check=False,

@@ -12,8 +12,7 @@ from exoid.regression.row_data import RowsFile
 from exoid.signals import Recording
 
 
-def test_all_torque_channels_that_are_dead_are_named_at_once(exoid_, tmp_path):
-    data = exoid.datasets.bleex_swing()
+def test_all_torque_channels_that_are_dead_are_named_at_once(exoid_, tmp_path, data):
     tau = data.train.tau.copy()
     tau[:, 0], tau[:, 2] = 0.0, 1.5
     names = data.train.joint_names

@@ -81,9 +81,8 @@ def test_the_package_runs_as_a_command():
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files that are not text")
-def test_a_log_with_a_name_that_is_no_text_goes_through_all_of_it(tmp_path):
+def test_a_log_with_a_name_that_is_no_text_goes_through_all_of_it(tmp_path, data):
     name = os.fsdecode(b"log\xff.csv")
-    data = exoid.datasets.bleex_swing()
     data.train.to_csv(tmp_path / name)
     words = ["identify", "bleex", name, "--test", name, "-o", "est.json"]
     commands = words, ["validate", "est.json", name], ["validate", "est.json", f"none{name}"]

@@ -30,8 +30,7 @@ IN_C = [name for name in LAWS if name != "self_tuning"]
 
 
 @pytest.fixture(scope="module")
-def estimate():
-    data = exoid.datasets.bleex_swing()
+def estimate(data):
     return exoid.identify(data.leg, data.train, check=False)
 
 

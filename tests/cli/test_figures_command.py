@@ -36,10 +36,9 @@ VERBS = {
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory):
+def inputs(tmp_path_factory, data):
     """A log, one with a wearer, and two estimates."""
     path = tmp_path_factory.mktemp("figures")
-    data = exoid.datasets.bleex_swing()
     part = data.train.slice(0, 1500)
     part.to_csv(path / "log.csv")
     push = 3.0 * np.sin(np.pi * data.test.time)[:, None]

@@ -12,10 +12,9 @@ IDENTIFY = ("identify", "leg.urdf", "logs/log.csv", "--joints", "left_hip,left_k
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory):
+def inputs(tmp_path_factory, data):
     """A folder with a URDF, a log and an estimate."""
     folder = tmp_path_factory.mktemp("inputs")
-    data = exoid.datasets.bleex_swing()
     (folder / "leg.urdf").write_bytes((exoid.catalog.urdf_folder() / "bleex.urdf").read_bytes())
     (folder / "logs").mkdir()
     data.train.to_csv(folder / "logs" / "log.csv")

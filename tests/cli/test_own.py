@@ -14,9 +14,8 @@ ZERO = (2.0, -1.0, 0.5)
 
 
 @pytest.fixture
-def logs(tmp_path):
+def logs(tmp_path, data):
     """Two logs of one leg; before the second its torque sensors were zeroed anew."""
-    data = exoid.datasets.bleex_swing()
     data.train.to_csv(tmp_path / "monday.csv")
     second = data.test
     arrays = {"time": second.time, "q": second.q, "v": second.v, "a": second.a, "tau": np.add(second.tau, ZERO)}

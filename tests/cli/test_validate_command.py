@@ -52,9 +52,8 @@ def test_a_poor_prediction_fails_only_under_strict(validate):
     assert (code, strict) == (1, out)
 
 
-def test_the_cut_off_is_passed_on(validate):
+def test_the_cut_off_is_passed_on(validate, data):
     code, out, _ = validate("bleex_swing:test", "--cutoff", "4", "--json")
-    data = exoid.datasets.bleex_swing()
     estimate = exoid.Estimate.load("leg.json")
     assert code == 0
     assert json.loads(out) == exoid.validate(estimate, data.test, cutoff=4.0).to_json()

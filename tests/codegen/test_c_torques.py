@@ -112,8 +112,7 @@ def test_every_form_of_every_term_is_the_same_in_c(terms, tmp_path):
     assert_relative(c("inverse_dynamics", q, v, a), estimate.torque(q, v, a), EXACT)
 
 
-def test_an_estimate_from_data_survives_the_way_through_its_file_into_c(tmp_path):
-    data = exoid.datasets.bleex_swing()
+def test_an_estimate_from_data_survives_the_way_through_its_file_into_c(tmp_path, data):
     exoid.identify(data.leg, data.train, terms=EVERY_TERM).save(tmp_path / "est.json")
     estimate = exoid.Estimate.load(tmp_path / "est.json")
     motion = motion_of(estimate)

@@ -78,8 +78,7 @@ def test_an_ill_conditioned_estimate_says_so():
     same("estimate_ill_conditioned.txt", str(hand_made(1234.0)))
 
 
-def test_the_example_prints_as_in_the_readme():
-    data = exoid.datasets.bleex_swing()
+def test_the_example_prints_as_in_the_readme(data):
     same("bleex_swing.txt", str(exoid.identify(data.leg, data.train)))
 
 
@@ -140,11 +139,10 @@ def test_the_identified_leg_is_the_rigid_part_of_the_torque(estimate, swing):
     assert np.abs(rest).max() > 0.5
 
 
-def test_the_estimate_keeps_hash_and_size_of_what_it_came_from(estimate, recording):
+def test_the_estimate_keeps_hash_and_size_of_what_it_came_from(estimate, recording, data):
     (source,) = estimate.inputs
     assert (source.name, source.samples, source.sample_rate) == ("array", len(recording), pytest.approx(100.0))
     assert len(source.sha256) == 64
-    data = exoid.datasets.bleex_swing()
     (source,) = exoid.identify(data.leg, data.train).inputs
     assert (source.name, source.sha256) == (data.train.source.name, data.train.source.sha256)
 

@@ -98,8 +98,7 @@ def test_a_floating_base_is_refused(tmp_path):
     assert not (tmp_path / "leg.xml").exists()
 
 
-def test_the_command_writes_the_file(exoid_, tmp_path):
-    data = exoid.datasets.bleex_swing()
+def test_the_command_writes_the_file(exoid_, tmp_path, data):
     exoid.identify(data.leg, data.train, check=False).save(tmp_path / "est.json")
     done = exoid_("export", tmp_path / "est.json", "--mjcf", tmp_path / "leg.xml")
     assert done.code == 0, done.err

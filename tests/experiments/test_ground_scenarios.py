@@ -122,9 +122,8 @@ def test_the_seed_changes_the_motion_and_the_same_seed_does_not():
 
 
 @pytest.mark.slow
-def test_a_swing_log_gives_the_true_parameters_of_a_leg():
+def test_a_swing_log_gives_the_true_parameters_of_a_leg(leg):
     """Base motion, filters and friction of the log are those that identification expects."""
-    leg = exoid.load_leg("bleex")
     log = replace(swing(EXO, 12.0).recording(seed=1), wrenches={}, contacts={}).select(leg.joint_names)
     est = exoid.identify(leg, log, terms=(exoid.Coulomb(), exoid.Viscous(), exoid.Armature()))
     truth = dict(zip(leg.parameter_names, leg.parameters, strict=True))

@@ -19,8 +19,7 @@ def absolute(poses):
     return np.cumsum(poses, axis=1)
 
 
-def test_all_poses_and_motions_are_within_the_limits(sets):
-    leg = exoid.load_leg("bleex")
+def test_all_poses_and_motions_are_within_the_limits(sets, leg):
     refuse_poses_beyond_limits(leg, sets.all)
     refuse_motion_beyond_limits(leg, bleex.dynamic_motions(), 22.0)
     other = exoid.load_leg("cuhk")

@@ -34,8 +34,7 @@ def test_a_walk_with_an_imu_gives_the_parameters_of_the_leg(name):
         assert max(errors(estimate, leg, "Y")) < 0.5
 
 
-def test_exact_logs_give_exact_parameters():
-    leg = exoid.load_leg("bleex")
+def test_exact_logs_give_exact_parameters(leg):
     estimate = identify(leg, Walk(leg, seconds=30.0, rate=400.0).recording(noise=0.0), terms=(), cutoff=8.0)
     assert np.abs(estimate.values / leg.parameters - 1.0).max() < 2e-3
 
@@ -51,8 +50,7 @@ def test_a_model_with_a_fixed_torso_is_called_wrong(name):
     assert exoid.check(leg, recording) == ()
 
 
-def test_the_sensor_s_position_matters():
-    leg = exoid.load_leg("bleex")
+def test_the_sensor_s_position_matters(leg):
     recording = Walk(leg, seconds=60.0, pitch=0.2).recording()
     base = recording.base
     elsewhere = dataclasses.replace(recording, base=BaseMotion(base.angular_velocity, base.specific_force))
@@ -61,8 +59,7 @@ def test_the_sensor_s_position_matters():
     assert (wrong.residual_rms > 1.5 * right.residual_rms)[:2].all()
 
 
-def test_motion_out_of_the_plane_is_found_by_its_share_of_the_torque():
-    leg = exoid.load_leg("bleex")
+def test_motion_out_of_the_plane_is_found_by_its_share_of_the_torque(leg):
     kinds = []
     for sideways in (0.0, 0.1, 0.4):
         found = exoid.check(leg, Walk(leg, sideways=sideways).recording())
@@ -149,8 +146,7 @@ def test_a_rotor_at_the_hip_is_told_from_the_leg_by_the_pitch_of_the_torso():
 
 
 @pytest.mark.slow
-def test_intervals_cover_the_truth():
-    leg = exoid.load_leg("bleex")
+def test_intervals_cover_the_truth(leg):
     inside = []
     for seed in range(16):
         estimate = identify(leg, Walk(leg, seconds=40.0, seed=seed).recording(), terms=())
@@ -159,8 +155,7 @@ def test_intervals_cover_the_truth():
     assert 0.88 <= np.mean(inside) <= 1.0
 
 
-def test_segments_of_a_walk_count_alone():
-    leg = exoid.load_leg("bleex")
+def test_segments_of_a_walk_count_alone(leg):
     recording = Walk(leg, seconds=60.0).recording()
     swings = recording.segments([(start, start + 0.4) for start in np.arange(2.0, 57.0, 1.1)])
     estimate = identify(leg, swings, terms=())

@@ -21,8 +21,7 @@ def flown(leg, seed):
     return flight.joints, flight.base, flight.rows()[:, 6:]
 
 
-def test_position_heading_and_velocity_of_the_base_have_no_effect():
-    leg = exoid.load_leg("bleex")
+def test_position_heading_and_velocity_of_the_base_have_no_effect(leg):
     motion, base, torques = flown(leg, 1)
     assert_relative(leg.inverse_dynamics(*motion, base), torques, TOLERANCE)
 

@@ -147,8 +147,7 @@ def test_locking_a_joint_is_holding_it_still_at_that_angle(continuous):
         assert_relative(locked.regressor(q, v, a) @ locked.parameters, expected, 1e-12)
 
 
-def test_joints_that_are_neither_moving_nor_locked_are_held_at_zero():
-    leg = exoid.load_leg("bleex")
+def test_joints_that_are_neither_moving_nor_locked_are_held_at_zero(leg):
     thigh_and_shank = Leg.from_description(leg.description, ("left_hip", "left_knee"))
     q, v, a = random_motion(np.random.default_rng(5), 2)
     expected = leg.inverse_dynamics(*(np.hstack([x, np.zeros((len(x), 1))]) for x in (q, v, a)))[:, :2]
@@ -226,8 +225,7 @@ def test_a_leg_with_other_parameters_has_their_torques(built_in_leg):
     assert_relative(changed.inverse_dynamics(*motion, torso), built_in_leg.regressor(*motion, torso) @ new, 1e-12)
 
 
-def test_parameters_cannot_be_changed_in_place():
-    leg = exoid.load_leg("bleex")
+def test_parameters_cannot_be_changed_in_place(leg):
     with pytest.raises(ValueError, match="read-only"):
         leg.parameters[0] = 1.0
     with pytest.raises(AttributeError):

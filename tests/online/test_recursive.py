@@ -245,9 +245,8 @@ def test_what_cannot_be_estimated_is_refused(leg):
         RecursiveEstimator(leg, (exoid.Coulomb(presliding=0.001),))
 
 
-def test_the_last_digit_of_a_sample_changes_nothing():
+def test_the_last_digit_of_a_sample_changes_nothing(data):
     """Also before the first reversals, when Coulomb friction and offset are one column whose residuals are rounding."""
-    data = exoid.datasets.bleex_swing()
     one, other = (RecursiveEstimator(data.leg, rate=100.0, cutoff=6.0, memory=5.0, false_alarms=0.0) for _ in range(2))
     digits = 1.0 + 2.3e-16 * np.random.default_rng(0).choice([-1.0, 0.0, 1.0], (600, 3))
     one.update(data.train.q[:600], None, None, data.train.tau[:600])

@@ -95,8 +95,7 @@ def test_a_slow_motion_does_not_make_an_inertia_sure_however_small_its_error():
     assert blind.identifiability[estimate.names.index("J1")] == "well"  # without these rules it would be called so
 
 
-def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined():
-    leg = exoid.load_leg("bleex")
+def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined(leg):
     swing = Swing(leg)
     terms = (*TERMS, Stiffness(joints=("hip",)))
     recording = swing.with_noise(np.random.default_rng(0), 1e-3)
@@ -111,9 +110,8 @@ def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined
     assert set(known.identifiability) == {"well", "known"}
 
 
-def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites():
+def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites(leg):
     """‖τ‖ / (largest |W_i| / √3) over states of up to 1 rad/s and π rad/s²: exact for friction, inertia and offset."""
-    leg = exoid.load_leg("bleex")
     swing = Swing(leg, base=0.02)
     model = TorqueModel(leg, (*TERMS, exoid.Offset(), Stribeck(velocity=0.05)))
     problem = Problem((Group("", model, [swing.recording()], EXACT),))

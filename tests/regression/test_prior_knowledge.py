@@ -132,9 +132,8 @@ def test_friction_that_is_negative_beyond_its_error_is_named_not_hidden(swing):
     assert not fine.warnings
 
 
-def test_an_inertia_that_cannot_be_is_named_in_a_warning():
+def test_an_inertia_that_cannot_be_is_named_in_a_warning(data):
     """Torques that the acceleration of the foot helps along, as those of a foot of negative inertia would be."""
-    data = exoid.datasets.bleex_swing()
     q, tau = np.array(data.train.q), np.array(data.train.tau)
     a = np.array(exoid.signals.ZeroPhase().kinematics(data.train).a)
     tau -= 0.1 * a.sum(axis=1, keepdims=True)

@@ -73,8 +73,7 @@ def test_links_are_where_pinocchio_puts_them(name):
 
 
 @pytest.mark.parametrize("moving_point", [False, True])
-def test_a_wrench_of_the_laboratory_is_turned_as_pinocchio_turns_forces(moving_point):
-    leg = exoid.load_leg("bleex")
+def test_a_wrench_of_the_laboratory_is_turned_as_pinocchio_turns_forces(moving_point, leg):
     recording, rng = posed(leg), np.random.default_rng(1)
     force, moment = 300.0 * rng.normal(size=(N, 3)), 20.0 * rng.normal(size=(N, 3))
     point = rng.normal(size=(N, 3)) if moving_point else rng.normal(size=3)
@@ -111,8 +110,7 @@ def test_a_weight_hung_on_a_fixed_leg_is_its_joint_torque():
         assert np.allclose(jacobian.T @ local.columns[k], -more, atol=1e-9)
 
 
-def test_a_tilted_torso_stands_in_the_laboratory_where_its_kinematics_put_it():
-    leg = exoid.load_leg("bleex")
+def test_a_tilted_torso_stands_in_the_laboratory_where_its_kinematics_put_it(leg):
     tilted = posed(leg, torso=TorsoMotion(pitch=0.2), moving=False)
     placements = leg.forward_kinematics(tilted.q, TorsoMotion(pitch=0.2))
     for joint, link in enumerate(leg.link_names):
@@ -123,16 +121,14 @@ def test_a_tilted_torso_stands_in_the_laboratory_where_its_kinematics_put_it():
     assert np.allclose(np.trace(root.rotation[0]), 1.0 + 2.0 * np.cos(0.2))
 
 
-def test_wrenches_in_link_axes_stay():
-    leg = exoid.load_leg("bleex")
+def test_wrenches_in_link_axes_stay(leg):
     link = leg.link_names[-1]
     own = Wrench(np.ones((N, 3)), np.zeros((N, 3)), (0.1, 0.0, 0.0))
     recording = dataclasses.replace(posed(leg), wrenches={link: own})
     assert wrenches_on_links(leg, recording)[link] is own
 
 
-def test_links_that_the_leg_does_not_have_are_refused_by_name():
-    leg = exoid.load_leg("bleex")
+def test_links_that_the_leg_does_not_have_are_refused_by_name(leg):
     recording = posed(leg)
     own = Wrench(np.ones((N, 3)), np.zeros((N, 3)))
     for link in links_of(leg):

@@ -133,9 +133,8 @@ def test_an_input_is_refused_under_any_of_its_names(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def estimate(tmp_path_factory):
+def estimate(tmp_path_factory, data):
     folder = tmp_path_factory.mktemp("estimate")
-    data = exoid.datasets.bleex_swing()
     data.train.to_csv(folder / "log.csv")
     (folder / "cad.urdf").write_bytes(b"\xef\xbb\xbf" + data.leg.description.text.encode())
     leg = exoid.Leg.from_urdf(folder / "cad.urdf", data.train.joint_names)

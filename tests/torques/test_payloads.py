@@ -45,9 +45,8 @@ def test_the_torque_of_payloads_is_pinocchios(name):
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-def test_a_tilted_torso_tilts_the_payload():
+def test_a_tilted_torso_tilts_the_payload(leg):
     """The rest of a leg with a payload, less that of the leg, by the torso's own model."""
-    leg = exoid.load_leg("bleex")
     loaded = exoid.rig.leg_with_payloads(leg, LOADS)
     q, v, a = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 20, 3))
     torso = TorsoMotion(pitch=np.linspace(-0.3, 0.4, 20), hip_acceleration=(0.5, -0.3))
@@ -56,8 +55,7 @@ def test_a_tilted_torso_tilts_the_payload():
     np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
-def test_a_segment_may_be_named_by_its_link():
-    leg = exoid.load_leg("bleex")
+def test_a_segment_may_be_named_by_its_link(leg):
     motion = Motion(*np.random.default_rng(2).uniform(-1.0, 1.0, (3, 5, 3)))
     names = ("knee", "left_knee", leg.link_labels[1], leg.link_names[1])
     torques = [payload_torque(leg, [Payload(name, 3.0, (0.0, 0.0, -0.3))], motion) for name in names]

@@ -165,9 +165,8 @@ def test_panels_of_a_figure_of_a_paper_fill_one_column_or_two(heights, most, wid
     assert len(figure.legends) == (0 if len(heights) == 1 else 1), "one legend for all"
 
 
-def test_a_comparison_draws_both_estimates_and_stars_what_differs(estimate):
+def test_a_comparison_draws_both_estimates_and_stars_what_differs(estimate, data):
     names, unit = ["X1", "Y1", "X2", "Y2", "X3", "Y3"], "kg·m"
-    data = exoid.datasets.bleex_swing()
     other = exoid.identify(data.leg, replace(data.test, tau=1.2 * data.test.tau))
     comparison = exoid.compare(estimate, other)
     figure, ax = drawn(lambda ax: plot_comparison(ax, estimate, other, comparison, unit))

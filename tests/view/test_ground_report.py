@@ -44,8 +44,7 @@ def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, est
     assert len(pictures) == 2
 
 
-def test_a_leg_that_swings_has_no_ground_forces():
-    leg = exoid.load_leg("bleex")
+def test_a_leg_that_swings_has_no_ground_forces(leg):
     time = np.arange(0.0, 10.0, 0.01)
     q = 0.4 * np.sin(np.outer(time, (2.0, 3.1, 4.3)) + np.arange(3.0))
     v, a = np.gradient(q, time, axis=0), np.gradient(np.gradient(q, time, axis=0), time, axis=0)

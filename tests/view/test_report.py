@@ -21,8 +21,7 @@ from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
 @pytest.fixture(scope="module")
-def swing():
-    data = exoid.datasets.bleex_swing()
+def swing(data):
     return data, exoid.identify(data.leg, data.train)
 
 
@@ -132,9 +131,8 @@ def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
     assert "brings X1" not in text
 
 
-def test_modelled_and_measured_friction_are_those_of_the_leg():
+def test_modelled_and_measured_friction_are_those_of_the_leg(leg):
     """A leg of known friction: measured torque less the other terms is that friction, filtered."""
-    leg = exoid.load_leg("bleex")
     time = np.arange(3000) / 100.0
     q = 0.3 * np.sin(np.outer(time, [1.0, 1.7, 2.3])) + [0.3, -0.7, 0.0]
     v = 0.3 * np.array([1.0, 1.7, 2.3]) * np.cos(np.outer(time, [1.0, 1.7, 2.3]))

@@ -20,8 +20,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def url(tmp_path_factory):
-    data = exoid.datasets.bleex_swing()
+def url(tmp_path_factory, data):
     estimate = exoid.identify(data.leg, [data.train.slice(0, 1500), data.train.slice(1500, 3000)])
     file = tmp_path_factory.mktemp("report") / "report.html"
     identification_report(estimate, [data.train.slice(0, 1500), data.train.slice(1500, 3000)], [data.test]).save(file)

@@ -191,9 +191,7 @@ def test_without_recorded_torque_the_arrows_hold_the_leg_against_gravity():
         assert squared == pytest.approx(abs(gravity[j]) / np.abs(gravity).max(), rel=1e-3, abs=1e-5)
 
 
-def test_an_estimate_shows_its_links_beside_those_of_cad():
-    data = exoid.datasets.bleex_swing()
-    estimate = exoid.identify(data.leg, data.train)
+def test_an_estimate_shows_its_links_beside_those_of_cad(data, estimate):
     drawn = scene(estimate, recording=data.test)
     p = len(data.leg.parameter_names)
     lifted = exoid.lift.lift(data.leg, estimate.values[:p], estimate.covariance[:p, :p])
@@ -350,10 +348,9 @@ def test_the_same_leg_is_drawn_twice_if_given_twice():
     assert len({path.split("/")[2] for path in mounts(scene(leg, leg))}) == 2
 
 
-def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, tmp_path):
+def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, tmp_path, data):
     monkeypatch.setattr("exoid.view.scenes.page.find_spec", lambda name: None)
     viewer_file.cache_clear()
-    data = exoid.datasets.bleex_swing()
     with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):
         scene(data.leg).html()
     with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):

@@ -7,7 +7,6 @@ import pinocchio as pin
 import pytest
 from browser import distance_to
 
-import exoid
 from exoid.estimate import validate
 from exoid.view import scene
 
@@ -178,9 +177,8 @@ def test_paper_has_the_scene_and_no_controls(browser, url, size):
     assert (distance_to(picture, "#ffffff") > 60).mean() < 0.6
 
 
-def test_the_camera_sees_ellipsoids_that_are_larger_than_the_leg():
+def test_the_camera_sees_ellipsoids_that_are_larger_than_the_leg(leg):
     """As those of poor estimates are; the ground stays below the foot."""
-    leg = exoid.load_leg("bleex")
     model = leg.model.copy()
     shank = model.inertias[2]
     model.inertias[2] = pin.Inertia(shank.mass, shank.lever, shank.inertia + 8.0 * np.eye(3))

@@ -25,8 +25,7 @@ def without_visuals(leg):
     return Leg.from_description(describe(text), leg.joint_names)
 
 
-def test_visuals_are_drawn_one_by_one_where_the_urdf_has_them():
-    leg = exoid.load_leg("bleex")
+def test_visuals_are_drawn_one_by_one_where_the_urdf_has_them(leg):
     shank = meshes(objects(scene(leg))[SHANK])
     visuals = leg.description.parse().findall("link[@name='left_shank']/visual")
     assert len(shank) == len(visuals)

@@ -89,10 +89,10 @@ def test_wrong_friction_and_an_unknown_weight_cost_little(rotor):
     assert_robust(rotor)
 
 
-def test_one_law_of_each_wrong_model(laws):
+def test_one_law_of_each_wrong_model(tracking, laws):
     """An unknown weight and half the friction cost little; Table III as printed is worse than PD."""
     names = ("self_tuning +1.5kg", "lqr F x0.5", "gravity_friction_pd Table III")
-    runs = compare(names=names)
+    runs = compare(names=names, estimate=tracking["estimate"])
     weight, friction, printed = (runs[name].to_json() for name in names)
     assert_within(weight, 1.0, 1.0)
     assert_within(friction, 0.6, 0.4)

@@ -58,8 +58,7 @@ def test_table_figure_and_page_show_the_same(bleex):
 
 
 @pytest.mark.nightly
-def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
-    data = exoid.datasets.bleex_swing()
+def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path, data):
     exoid.identify(data.leg, data.train).save(tmp_path / "est.json")
     done = CliRunner().invoke(
         app,
@@ -75,8 +74,7 @@ def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path):
     assert (tmp_path / "figures" / "felt_torque.pdf").stat().st_size > 1e4
 
 
-def test_the_floor_is_the_torque_that_pinocchio_says():
-    leg = exoid.load_leg("bleex")
+def test_the_floor_is_the_torque_that_pinocchio_says(leg):
     plant = Plant.build(leg, {"d_knee": 0.5}, end_stops=False)
     motion = gait_for_leg(leg, healthy_gait(0.8, 3.0))
     times = np.linspace(0.0, 3.0, 2000, endpoint=False)

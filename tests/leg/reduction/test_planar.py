@@ -72,9 +72,8 @@ def test_a_chain_of_either_world_axis_and_any_sign_is_read_as_planar():
 
 
 @pytest.mark.parametrize("samples", [1, 8191, 8192, 8193, 20000])
-def test_a_batch_is_the_same_as_its_samples_one_by_one(samples):
+def test_a_batch_is_the_same_as_its_samples_one_by_one(samples, leg):
     assert planar.BLOCK == 8192
-    leg = exoid.load_leg("bleex")
     q, v, a = random_motion(np.random.default_rng(samples), 3, samples)
     W = leg.regressor(q, v, a)
     assert W.shape == (samples, 3, 9)
@@ -94,8 +93,7 @@ def test_blocks_fit_together_under_a_moving_torso(samples):
     assert_relative(leg.regressor(q, v, a, torso) @ leg.parameters, expected, TOLERANCE)
 
 
-def test_one_sample_may_come_without_its_axis():
-    leg = exoid.load_leg("bleex")
+def test_one_sample_may_come_without_its_axis(leg):
     q, v, a = random_motion(np.random.default_rng(6), 3, 1)
     np.testing.assert_array_equal(leg.regressor(q[0], v[0], a[0]), leg.regressor(q, v, a))
 
@@ -107,8 +105,7 @@ def test_each_column_is_contiguous_in_memory():
             assert W[:, joint, column].flags.c_contiguous
 
 
-def test_arguments_are_left_as_they_were_and_may_lie_in_memory_anyhow():
-    leg = exoid.load_leg("bleex")
+def test_arguments_are_left_as_they_were_and_may_lie_in_memory_anyhow(leg):
     q, v, a = random_motion(np.random.default_rng(7), 3, 5000)
     copies = [x.copy() for x in (q, v, a)]
     W = leg.regressor(q, v, a)
@@ -132,8 +129,7 @@ def test_many_turns_lose_no_more_accuracy_than_the_angles_have(cumulative, turns
 
 
 @pytest.mark.parametrize("base", [0.0, np.pi / 2, np.pi, -np.pi, 2 * np.pi, 3 * np.pi])
-def test_angles_at_and_near_the_pole_of_the_half_angle_tangent_are_accurate(base):
-    leg = exoid.load_leg("bleex")
+def test_angles_at_and_near_the_pole_of_the_half_angle_tangent_are_accurate(base, leg):
     near = base + np.array([0.0, 1e-300, 1e-16, -1e-16, 1e-12, -1e-12, 1e-8, -1e-8, 1e-4, -1e-4])
     beside = [np.nextafter(base, np.inf), np.nextafter(base, -np.inf)]
     angles = np.concatenate([near, beside])
@@ -144,8 +140,7 @@ def test_angles_at_and_near_the_pole_of_the_half_angle_tangent_are_accurate(base
     check_against_pinocchio(leg, q, v, a)
 
 
-def test_hanging_and_inverted_legs_hold_exactly_opposite_moments():
-    leg = exoid.load_leg("bleex")
+def test_hanging_and_inverted_legs_hold_exactly_opposite_moments(leg):
     zero = np.zeros((2, 3))
     q = np.array([[0.0, 0.0, 0.0], [np.pi, 0.0, 0.0]])
     W = leg.regressor(q, zero, zero)
