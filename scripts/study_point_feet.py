@@ -22,7 +22,9 @@ from scipy.spatial.transform import Rotation
 
 import exoid
 from exoid.errors import NotIdentifiableError
+from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.ground_validation import compare_on_ground
+from exoid.torques.contacts import split
 
 LEGS = ("LF", "RF", "LH", "RH")
 FEET = tuple(f"{leg}_FOOT" for leg in LEGS)
@@ -219,6 +221,7 @@ def figures(text: str, seed: int) -> dict[str, float]:
         "total mass, error [%]": 100.0 * abs(error[0]) / leg.parameters[0],
         "parameters in their 95 % interval [%]": 100.0 * float(np.mean(inside)),
     }
+    alarms = [any(cone_findings(estimate, split(leg, log, estimate.preparation).stretches)) for log in logs]
     for k, kind in enumerate(("trot", "jump")):
         log = simulate(text, kind, 10.0, 10 * seed + 9 - k).recording(leg.joint_names, np.random.default_rng([seed, 9]))
         residuals = []
@@ -227,6 +230,8 @@ def figures(text: str, seed: int) -> dict[str, float]:
             residuals.append(float(np.sqrt(np.mean((compared.measured - compared.predicted) ** 2))))
         found[f"residual on a {kind}, over that of the true parameters"] = residuals[0] / residuals[1]
         found[f"residual on a {kind} [N·m]"] = residuals[0]
+        alarms.append(any(cone_findings(estimate, split(leg, log, estimate.preparation).stretches)))
+    found["healthy logs with a finding friction-cone [%]"] = 100.0 * float(np.mean(alarms))
     little = simulate(text, "little", 10.0, 10 * seed + 7).recording(leg.joint_names, np.random.default_rng([seed, 7]))
     try:
         exoid.identify(leg, little, terms=(), check=False)

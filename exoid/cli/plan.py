@@ -90,6 +90,7 @@ class StanceOptions(NamedTuple):
     """Options of motions on the ground."""
 
     stance: Annotated[Text, Option(metavar="both,left", help="Plan squats, shifts and swings on these feet.")] = None
+    supports: Annotated[Text, Option(metavar="A+B,C,air", help="Say what can be known on these links.")] = None
     sole: Annotated[Texts, Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in its link [m]; BLEEX's.")] = None
     friction: Annotated[float, Option(metavar="MU", help="--stance: friction of the ground that is used.")] = 0.4
 
@@ -114,6 +115,14 @@ def plan(
     Example: exoid plan cuhk -o plan.csv --duration 10 --starts 1
     """
     refuse_unknown_leg(leg)
+    if stance.supports is not None:
+        from exoid.experiments.excitation import determined_on  # noqa: PLC0415
+
+        others = {"-o": output, "--assess": assess, "--tilts": tilts, "--figure": figure}
+        refuse({**others, **given(stance._replace(supports=None))}, "--supports plans nothing")
+        sets = [[] if each == "air" else each.split("+") for each in split_names(stance.supports) or ()]
+        print_result(determined_on(find_leg(leg, choice, None), sets, given_terms(terms) or ()), as_json=as_json)
+        return
     if stance.stance is None:
         refuse(given(stance), "they are for --stance")
         floats = None if assess else choice.floating_base or None
