@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,9 +11,10 @@ from typing import Any
 
 from lxml import etree
 
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.leg.closure import refuse_loops
 from exoid.leg.description import LARGEST_NUMBER
+from exoid.leg.leg import Leg
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR
 from exoid.tools.extras import require_mujoco
@@ -29,6 +31,10 @@ PLACES: dict[tuple[type[Term], str], str] = {
     (Armature, "Ia"): "armature",
 }
 """Attribute of a joint in MJCF for a symbol of a type of term."""
+
+
+STIFF = (0.004, 1.0), (0.9999, 0.9999, 1e-3, 0.5, 2.0)
+"""Time constant [s] and damping ratio of closed loops, and their impedance: gaps below 0.1 mm."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,7 +90,6 @@ def export_mjcf(
 ) -> MjcfExport:
     """Write an estimate as MJCF; see :meth:`Estimate.to_mjcf`."""
     mujoco, leg = require_mujoco(), estimate.model.leg
-    refuse_loops(leg, "an MJCF")
     if leg.base == "floating":
         raise NotSupportedError(
             "an MJCF of a floating base is not written",
@@ -107,6 +112,12 @@ def export_mjcf(
             motor.set_to_motor()
             if 0.0 < effort < LARGEST_NUMBER:
                 motor.ctrlrange, motor.ctrllimited = [-effort, effort], mujoco.mjtLimited.mjLIMITED_TRUE
+        for name, ends in _loop_points(leg):
+            for side, (body, place) in zip("12", ends, strict=True):
+                (spec.body(body) if body else spec.worldbody).add_site(name=f"{name} {side}", pos=place)
+            connect, site = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtObj.mjOBJ_SITE
+            held = spec.add_equality(type=connect, objtype=site, name=name, name1=f"{name} 1", name2=f"{name} 2")
+            held.solref, held.solimp = STIFF
         spec.compile()
     except ValueError as error:
         raise BadArgumentError(
@@ -125,3 +136,10 @@ def export_mjcf(
     left_out = tuple(name for name in estimate.names[len(leg.parameter_names) :] if name not in places)
     negative = tuple(name for name in places if value_of[name] < 0.0)
     return MjcfExport(Path(path), export, negative, left_out)
+
+
+def _loop_points(leg: Leg) -> Iterator[tuple[str, list[tuple[str, FloatArray]]]]:
+    """Points that closed loops hold together: a name, and link and place of both ends; "" for the root link."""
+    links = ["", *(leg.description.child_links[joint] for joint in leg.tree_joint_names)]
+    for k, pair in enumerate(leg.closure.pairs if leg.closure else ()):
+        yield f"{pair.loop.name} {k + 1}", [(links[b + 1], x) for b, x in zip(pair.bodies, pair.places, strict=True)]

@@ -5,6 +5,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from closed_machines import cylinder_knee, four_bar_knee, two_rod_ankle
 from made_estimates import made, motion_within
 from mujoco_torques import mujoco_model, mujoco_torque
 from public_robots import urdf_of
@@ -105,3 +106,24 @@ def test_the_command_writes_the_file(exoid_, tmp_path, data):
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "leg.xml"))
     np.testing.assert_array_equal(model.actuator_ctrlrange[:, 1], data.leg.limits.effort)
     assert exoid_("export", tmp_path / "est.json", "--mjcf", "a.xml", "-o", "b.urdf").code != 0
+
+
+@pytest.mark.parametrize("make", [four_bar_knee, two_rod_ankle, cylinder_knee])
+def test_mujoco_closes_the_loops_of_a_closed_leg(make, tmp_path):
+    """At rest its acceleration under the motors' torque is that of exoid."""
+    leg = make(0).leg(tmp_path)
+    estimate = estimate_of(leg, (Armature(),))
+    estimate.to_mjcf(tmp_path / "out.xml")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml"))
+    state, rng = mujoco.MjData(model), np.random.default_rng(0)
+    q = leg.closure.reachable(rng.uniform(-0.04, 0.04, (1, len(leg.joint_names))))
+    for joint, angle in zip(leg.tree_joint_names, leg.tree_motion(q).q[0], strict=True):
+        state.qpos[model.joint(joint).qposadr[0]] = angle
+    state.ctrl[:] = estimate.torque(q, 0.0 * q, 0.0 * q)[0] + rng.uniform(-2.0, 2.0, q.shape[1])
+    mujoco.mj_forward(model, state)
+    change = np.array([[state.qacc[model.joint(joint).dofadr[0]] for joint in leg.joint_names]])
+    np.testing.assert_allclose(estimate.torque(q, 0.0 * q, change)[0], state.ctrl, rtol=0.0, atol=0.02)
+    for _ in range(100):
+        mujoco.mj_step(model, state)
+    pose = np.array([[state.qpos[model.joint(joint).qposadr[0]] for joint in leg.tree_joint_names]])
+    assert leg.closure.gap(pose).max() < 1e-4
