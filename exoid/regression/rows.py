@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -27,9 +26,6 @@ REACHES = 8.0
 
 BLOCKS = 12
 """Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""
-
-RAMP = 0.03
-"""Time in which samples beside those that are left out come to count in full [s]; see scripts/study_heel_toe.py."""
 
 OF_SAMPLES = ("time", "W", "tau", "q", "v", "usable")
 """Arrays of :class:`Rows` with a row for each sample."""
@@ -52,7 +48,6 @@ class Prepared(NamedTuple):
     rows: range  # samples that become rows, evenly spaced, from the first to the last that counts
     # mask of samples that count: not affected by the ends of the record, and in its segments, (N,)
     inside: NDArray[np.bool_]
-    factors: FloatArray  # factor of each sample on both sides before `parallel`: zero where it does not count, (N,)
     independent_fraction: float = 1.0  # share of the rows that carry independent noise
     # filter that columns and torque still have to pass; None for none. Samples that do not count are zero on
     # both sides of the equation before they pass it
@@ -91,7 +86,7 @@ def prepare(
         tau = data.tau if motion.payload is None else data.tau - motion.payload
         usable = np.ones(tau.shape, dtype=np.bool_)
         time = np.arange(count, dtype=np.float64)
-        return Prepared(time, motion, tau, usable, range(count), usable[:, 0], np.ones(count), known=motion.payload)
+        return Prepared(time, motion, tau, usable, range(count), usable[:, 0], known=motion.payload)
     recording = data.resampled()
     if recording.tau is None:
         raise _without_torque(recording)
@@ -136,24 +131,11 @@ def prepare(
         model.usable(v) & counting,
         rows[(len(rows) - 1) % stride // 2 :: stride],
         inside,
-        _ramps(inside, recording.mask, 0 if every else round(RAMP * rate)),
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
         pulses,
         motion.payload,
     )
-
-
-def _ramps(inside: NDArray[np.bool_], mask: NDArray[np.bool_] | None, samples: int) -> FloatArray:
-    """Let samples that count do so less and less towards those that a mask leaves out, (N,)."""
-    # Accelerations have much noise at high frequencies, which cancels behind the low-pass. It does not where they are
-    # cut off: rows beside touch-downs had three times the noise of others.
-    factors = inside.astype(np.float64)
-    if mask is not None and samples and not mask.all():
-        padded = np.pad(mask, samples, mode="edge")
-        distance = scipy.ndimage.distance_transform_edt(padded)[samples:-samples]
-        factors *= np.sin(0.5 * np.pi * np.minimum(distance / (samples + 1), 1.0)) ** 2
-    return factors
 
 
 def _without_torque(recording: Recording) -> ExoidError:
@@ -197,7 +179,7 @@ def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows
         rows = slice(inside.start, inside.stop, inside.step)
         columns, tau = columns[..., rows], tau[:, rows]
     else:
-        columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.factors[around], inside)
+        columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
         taken = _take_out_reversals(prepared, stretch, columns, tau[:joints])
     tau, known = tau[:joints], tau[joints:].T if len(tau) > joints else None
     count = len(model.names)
@@ -222,14 +204,14 @@ def _filtered(
     columns: FloatArray,
     tau: FloatArray,
     acting: NDArray[np.bool_],
-    factors: FloatArray,
+    inside: NDArray[np.bool_],
     rows: range,
 ) -> tuple[FloatArray, FloatArray]:
     """Some rows of columns (P or more, n, N) and torques (K, N) behind the filter; what does not act stays zero."""
     known = np.ones((len(columns) - acting.shape[1], columns.shape[1]), dtype=np.bool_)
     places = np.argwhere(np.vstack([acting.T, known]))
     distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
-    filtered = parallel.among_zeros(distinct, rows, factors)
+    filtered = parallel.among_zeros(distinct, rows, inside)
     out = np.zeros((*columns.shape[:2], len(rows)))
     for (parameter, joint), twin in zip(places, twins, strict=False):
         out[parameter, joint] = filtered[twin]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,15 +48,14 @@ class ParallelFilter:
         return max(1, int(1.0 / (4.0 * self.independent_fraction)))
 
     def among_zeros(
-        self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[Any] | None = None
+        self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None
     ) -> FloatArray:
         """Filter signals that are zero before and after, as samples that do not count are.
 
         Args:
             signals: Signals in any unit, K of (N,).
             rows: Requested samples, evenly spaced, R of them.
-            counted: Mask of samples that count: others are taken for zero, (N,); or the factor by which each counts.
-                None for all.
+            counted: Mask of samples that count: others are taken for zero, (N,). None for all.
 
         Returns:
             Filtered signals at these samples, (K, R).
@@ -68,13 +67,12 @@ class ParallelFilter:
         padded = np.zeros((lead + max(wanted, behind), blocks.size))
         place = lead * blocks.size - rows[0]
         window = padded.reshape(-1)[place + begin : place + end]
-        factors = None if counted is None or (counted[begin:end] == 1).all() else counted[begin:end]
+        left_out = None if counted is None or counted[begin:end].all() else ~counted[begin:end]
         products = np.empty((len(padded), len(signals), blocks.products.shape[1]))
         for k, signal in enumerate(signals):  # one after the other, in the processor's cache
             window[:] = signal[begin:end]
-            if factors is not None:
-                np.multiply(window, factors, out=window)
-                window[factors == 0] = 0.0  # whatever stands there
+            if left_out is not None:
+                window[left_out] = 0.0
             np.matmul(padded, blocks.products, out=products[:, k])
         filtered = blocks.joined(products)[lead : lead + wanted]
         return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
