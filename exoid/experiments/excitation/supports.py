@@ -83,7 +83,7 @@ def determined_on(leg: Leg, supports: Sequence[Sequence[str]], terms: Sequence[T
     Example:
         >>> exo = exoid.load_exo("bleex", base="floating")
         >>> determined_on(exo, [["left_foot"], ["right_foot"]]).determined.sum(axis=1)
-        array([11, 11, 22])
+        array([13, 13, 22])
     """
     model = TorqueModel(leg, tuple(terms))
     rows = [_rows(model, tuple(links)) for links in supports]
