@@ -1,6 +1,6 @@
 """What does a walk on heel, sole and toe tell of BLEEX? Figures of docs/ground.md.
 
-    python scripts/study_heel_toe.py            # 16 seeds from 1000, about a quarter of an hour on one core
+    python scripts/study_heel_toe.py            # 16 seeds from 1000, a quarter of an hour on one core
 
 One simulated walk of 80 s in a harness whose force is measured, with other noise and another bias of the IMU for each
 seed. Friction and rotors are unknown, and nothing but the walk is known. "down" has one switch for each foot; "heel and
@@ -21,12 +21,8 @@ from exoid.estimate import Estimate
 from exoid.experiments.ground import bleex_machine, walking
 from exoid.lab.reproduce.stance import TERMS, WALKING, relative_error, true_values
 from exoid.lab.reproduce.stance_logs import FORCE_BIAS, GYRO_BIAS, SENSORS
-from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, Sole
 from exoid.torques.contacts import split
-
-FINE = Rates(control=8000.0, log=500.0, step=1.25e-4)
-"""Rates of the simulation: the default step of 0.5 ms alone moves X by 0.1 %, J by 0.2 % and friction by several."""
 
 
 def switches(run: GroundRun) -> dict[str, np.ndarray]:
@@ -91,7 +87,7 @@ def main() -> None:
     for radius, cases in ((0.005, ((False, True), (False, False), (True, True))), (0.0005, ((True, True),))):
         plant = bleex_machine()
         plant = replace(plant, soles={name: Sole(sole.points, radius) for name, sole in plant.soles.items()})
-        run, leg = walking(plant, 80.0, rates=FINE), machine(plant)
+        run, leg = walking(plant, 80.0), machine(plant)
         for kinds, known in cases:
             seeds = range(options.first, options.first + options.seeds)
             each = [figures(leg, run, seed, kinds=kinds, known=known) for seed in seeds]

@@ -16,9 +16,7 @@ from exoid.errors import BadArgumentError
 from exoid.experiments.limits import refuse_poses_beyond_limits
 from exoid.leg.link_frames import link_frame
 from exoid.leg.torso import TorsoMotion, base_kinematics
-from exoid.rig import Rates
 from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
-from exoid.rig.ground.simulate import RATES
 
 LEAD = 2.0
 """Time in which a machine settles before the log begins [s]."""
@@ -133,11 +131,10 @@ def follow(
     gains: JointGains,
     *,
     spring: Spring | None = None,
-    rates: Rates = RATES,
 ) -> GroundRun:
     """Let a machine follow a planned motion."""
     refuse_poses_beyond_limits(plant.leg, motion.q)
-    run = simulate_on_ground(plant, motion, gains, spring=spring, rates=rates)
+    run = simulate_on_ground(plant, motion, gains, spring=spring)
     planned = scipy.interpolate.CubicSpline(motion.time, np.column_stack([motion.base[:, 1], motion.q]))(run.time)
     far = np.abs(run.position @ plant.plane.up - planned[:, 0]) > FALLEN
     if far.any():

@@ -12,9 +12,7 @@ from exoid.experiments.gait import gait_for_leg, healthy_gait
 from exoid.experiments.references import Harmonics, fit_harmonics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.rig import Rates
 from exoid.rig.ground import GroundPlant, GroundRun, JointGains, Spring
-from exoid.rig.ground.simulate import RATES
 
 from .planned_motion import KNOTS, Bearing, follow, knots, planned_motion, rise
 from .posture import PlanarLeg, planar_legs, total_mass
@@ -63,7 +61,6 @@ def walking(
     duration: float = 30.0,
     *,
     gait: Gait | None = None,
-    rates: Rates = RATES,
 ) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
 
@@ -74,7 +71,6 @@ def walking(
         plant: Torso and two legs.
         duration: Duration of the log [s].
         gait: The gait; None for the default one.
-        rates: Rates of controller and log, and step of the simulation.
 
     Returns:
         The run, with the wrench of the harness on the torso.
@@ -98,7 +94,7 @@ def walking(
     motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
     raised = base + np.array([0.0, gait.support * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
     motion = replace(motion, base=raised)  # the carriage is above the torso that hangs on it
-    return follow(plant, motion, GAINS, spring=HARNESS, rates=rates)
+    return follow(plant, motion, GAINS, spring=HARNESS)
 
 
 def _cleared(leg: PlanarLeg, base: FloatArray, foot: ComplexArray) -> FloatArray:
