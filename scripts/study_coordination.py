@@ -3,6 +3,7 @@
     python scripts/study_coordination.py      # 2 seeds each of BLEEX and CUHK-EXO, ten minutes
     python scripts/study_coordination.py --machines cuhk --seeds 1 --seconds 60
     python scripts/study_coordination.py --toe --machines bleex     # toe clearance alone: 400 swings, a minute
+    python scripts/study_coordination.py --frozen --machines bleex --seeds 1    # frozen encoders alone
 
 Each seed is one `exoid coordinate`: other calibration, motions, noise and faults. Toe clearance: the estimate of a
 swinging leg is fixed, true legs are drawn from its distribution, and each swings once under computed torque.
@@ -18,11 +19,14 @@ import scipy
 
 from exoid import identify, load_leg
 from exoid.control.functions import PHASE, Body, walk
+from exoid.control.ground.hypotheses import CERTAIN, ContactFilter
 from exoid.control.toe_clearance import toe_clearance
-from exoid.lab.coordination import coordinate, coordination_report
+from exoid.lab.coordination import coordinate, coordination_report, study
+from exoid.lab.coordination.day import MACHINES, run_function
 from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 from exoid.signals import Recording
 from exoid.torques import Armature, Coulomb, Viscous
+from exoid.torques.model import TorqueModel
 
 KP, KD = 400.0, 40.0
 START, HIP = 0.01, 0.002
@@ -66,6 +70,32 @@ def toe(machine: str, seed: int, swings: int) -> dict[str, float]:
         "stated to touch [%]": 100.0 * stated.touches,
         "touched [%]": 100.0 * float(np.mean(least < 0.0)),
     }
+
+
+def frozen(machine: str, seed: int) -> dict[str, int]:
+    """Freeze each encoder twice while sitting, rising, walking and climbing, and count certain sets that are wrong."""
+    plant, rng = MACHINES[machine](), np.random.default_rng([seed, 1])
+    model = TorqueModel(plant.leg, study.TERMS)
+    values = np.array([plant.values[name] for name in model.names])
+    out = dict.fromkeys(("certain", "of them wrong", "certain while slow", "of those wrong"), 0)
+    for number, name in enumerate(("sit", "rise", "walk", "stairs up")):
+        episode = run_function(plant, name, 6.0, rng)
+        run, log = episode.run, study._log(episode, [seed, number])
+        told = ContactFilter(
+            model, values, np.diag((0.01 * values) ** 2), run.plant.soles, np.array(study.SENSORS.imu_position), 500.0
+        )
+        readings, ends = study.readings_of(told, log, {}), study._blocks(told, len(log))
+        slow = np.abs(run.v[ends]).max(axis=1) < told.noise.moves
+        for joint in range(log.n_joints):
+            for begin in rng.integers(len(log) // 6, 2 * len(log) // 3, 2):
+                q = readings.q.copy()
+                q[begin:, joint] = q[begin, joint]
+                belief = told.advance(told.begin(), readings._replace(q=q))
+                right, far = study._judge(told, episode, belief)
+                sure = (belief.probability[:, :-1].max(axis=1) > CERTAIN) & (ends >= begin + 15) & far
+                counts = (sure, sure & ~right, sure & slow, sure & slow & ~right)
+                out = {key: out[key] + int(count.sum()) for key, count in zip(out, counts, strict=True)}
+    return out
 
 
 def _body(machine: str) -> Body:
@@ -124,13 +154,17 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60.0, help="of each day")
     parser.add_argument("--events", type=int, default=100, help="planted faults of each day")
     parser.add_argument("--swings", type=int, default=400)
+    parser.add_argument("--frozen", action="store_true", help="frozen encoders alone, of the true model")
     parser.add_argument("--toe", action="store_true", help="toe clearance alone")
     options = parser.parse_args()
     for machine in options.machines.split(","):
         for seed in range(options.first, options.first + options.seeds):
+            if options.frozen:
+                print(machine, seed, ", ".join(f"{name} {n}" for name, n in frozen(machine, seed).items()), flush=True)
+                continue
             if not options.toe:
-                study = coordinate(machine, seconds=options.seconds, events=options.events, seed=seed)
-                print(coordination_report(study), flush=True)
+                found = coordinate(machine, seconds=options.seconds, events=options.events, seed=seed)
+                print(coordination_report(found), flush=True)
             found = toe(machine, seed, options.swings)
             print(machine, seed, ", ".join(f"{name} {value:.3g}" for name, value in found.items()), flush=True)
 

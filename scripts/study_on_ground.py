@@ -59,6 +59,9 @@ from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.ground.stance import CLAMP, HAND_RAIL, SWING_GAINS
 from exoid.lab.coordination.day import Episode, _bearings, _ground, _reference
 from exoid.lab.coordination.study import _delays, _judge
+from exoid.leg.model import with_dynamic_parameters
+from exoid.rig import Payload, Rates
+from exoid.rig.bodies import WINTER
 from exoid.rig.ground import (
     HEALTHY,
     PASSIVE,
@@ -73,8 +76,8 @@ from exoid.rig.ground import (
     Spring,
     simulate_on_ground,
 )
-from exoid.rig.simulate import Rates
 from exoid.torques.model import TorqueModel
+from exoid.torques.payloads import _link_parameters, payload_parameters
 
 RATES = Rates(control=500.0, log=500.0, step=5e-4)
 TERMS = (exoid.Coulomb(smoothing=0.02), exoid.Viscous(), exoid.Armature())
@@ -352,6 +355,53 @@ WALKS = {
 """Steps of BLEEX without hands."""
 
 
+def wearer_bodies(leg: exoid.Leg, rng: np.random.Generator | None = None) -> list[Payload]:
+    """Bodies of a wearer of 75 kg and 1.75 m on the links, by Winter's table or drawn about it (5 and 10 %)."""
+    mass, height, draw = 75.0, 1.75, rng or np.random.default_rng()
+
+    def about(value: float, spread: float) -> float:
+        return value if rng is None else value * float(np.exp(spread * draw.standard_normal()))
+
+    trunk = 0.288 * height  # head, arms and trunk, of the hip
+    out = [Payload(leg.description.root_link, about(0.678 * mass, 0.05), (0.0, 0.0, about(0.626 * trunk, 0.05)), 0.25)]
+    for limb in leg.limbs:
+        hip, knee, ankle = leg.joint_names[limb.joints]
+        for joint, part in ((hip, WINTER["hip"]), (knee, WINTER["knee"])):
+            length, ((weight, centre), *_), gyration = part
+            place = (0.0, 0.0, about(-centre * length * height, 0.05))
+            out.append(Payload(joint, about(weight * mass, 0.1), place, gyration * length * height))
+        out.append(Payload(ankle, 0.0145 * mass, (0.05, 0.0, -0.04)))
+    return out
+
+
+def worn(truth: GroundPlant, model: exoid.Estimate, seed: int) -> tuple[GroundPlant, exoid.Estimate]:
+    """Fix a wearer to the machine, drawn about the table, and the table to the estimate; with drives of 350 N·m."""
+
+    def loaded(leg: exoid.Leg, bodies: list[Payload]) -> exoid.Leg:
+        model = with_dynamic_parameters(leg.model, leg.link_parameters + _link_parameters(leg, bodies))
+        model.effortLimit = np.full(model.nv, 350.0)
+        return replace(leg, model=model)
+
+    leg, rng = model.model.leg, np.random.default_rng(0)
+    places = [model.names.index(name) for name in leg.parameter_names]
+    values, covariance = model.values.copy(), model.covariance.copy()
+    values[places] += payload_parameters(leg, wearer_bodies(leg))
+    spread = np.array([payload_parameters(leg, wearer_bodies(leg, rng)) for _ in range(400)])
+    covariance[np.ix_(places, places)] += np.cov(spread.T)
+    own = replace(model.model, leg=loaded(leg, wearer_bodies(leg)))
+    true = loaded(truth.leg, wearer_bodies(truth.leg, np.random.default_rng([seed, 75])))
+    return replace(truth, leg=true), replace(model, model=own, values=values, covariance=covariance)
+
+
+def all_worn(seed: int) -> dict[tuple[str, str], FloatArray]:
+    """Figures of a seed with a wearer of 75 kg in BLEEX, who makes no or half of the planned torque."""
+    warnings.simplefilter("ignore")
+    truth = truth_of("bleex", np.random.default_rng(seed))
+    truth, model = worn(truth, identified("bleex", truth, 10 * seed), seed)
+    wearers = {"passive": PASSIVE, "half": GroundWearer(effort=0.5)}
+    return {(n, w): coordinated(truth, model, n, wearers[w], seed) for n in ("rise", "sit", "squat") for w in wearers}
+
+
 def all_coordinated(machine: str, seed: int, only: str | None = None) -> dict[tuple[str, str], FloatArray]:
     """Figures of a seed by function and wearer."""
     warnings.simplefilter("ignore")
@@ -371,7 +421,8 @@ def all_coordinated(machine: str, seed: int, only: str | None = None) -> dict[tu
 
 def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -> None:
     """Run the closed loop, and print how many cases end as they should, and the largest figures."""
-    found = Parallel(n_jobs=jobs)(delayed(all_coordinated)(machine, s, only) for s in seeds)
+    calls = (delayed(all_worn)(s) if only == "worn" else delayed(all_coordinated)(machine, s, only) for s in seeds)
+    found = Parallel(n_jobs=jobs)(calls)
     print(f"{machine}: {len(seeds)} seeds from {seeds[0]}; ended, and the worst of each figure")
     print(f"{'':20s}" + "".join(f"{name:>14s}" for name in COORDINATED))
     for name, who in found[0]:
@@ -467,7 +518,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
-    parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, squat, step, walk, ...")
+    parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, ..., or worn")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     if options.coordinated:

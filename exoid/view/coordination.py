@@ -48,12 +48,12 @@ def plot_day(figure: Figure, parts: Sequence[DayPart], joints: Sequence[str]) ->
     for part in parts:
         for ax in axes:
             ax.axvline(begin, color=GUIDE, lw=0.5)
-        axes[-1].annotate(part.name, (begin, 0.8), xycoords=("data", "axes fraction"), fontsize=5)
+        axes[-1].annotate(part.name, (begin, 1.05), xycoords=("data", "axes fraction"), fontsize=5)
         for j, joint in enumerate(joints):
             label = joint if part is parts[0] else None
             axes[0].plot(begin + part.time, part.torque[:, j], color=joint_colour(j), lw=0.4, label=label)
         for ax, contact in zip(axes[1:], contacts, strict=True):
-            first = part is parts[0]
+            first = part is parts[0] and ax is axes[1]  # one legend; names of functions stand above the last axes
             ax.plot(begin + part.time, part.force[contact], color=MEASURED, lw=0.8, label="true" if first else None)
             ax.plot(begin + part.blocks, part.told[contact], color=PREDICTED, lw=0.4, label="told" if first else None)
         begin += float(part.time[-1])

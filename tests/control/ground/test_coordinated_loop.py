@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from exoid import ExoidError
 from exoid.control.functions import FUNCTIONS, SIDES, Body, joint_angles
-from exoid.control.ground import SAFE, ContactFilter, CoordinatedLoop, Coordinator, stance
+from exoid.control.ground import SAFE, ContactFilter, CoordinatedLoop, Coordinator, Rule, stance
 from exoid.experiments import ground
 from exoid.experiments.ground.stance import HAND_RAIL
 from exoid.lab.coordination import study
@@ -92,6 +94,31 @@ def test_a_foot_that_is_planned_on_the_ground_and_not_felt_is_lowered_until_it_b
     assert right.force[-50:, 2].min() > 100.0
     assert set(loop.decisions[-1].shares) == {*SIDES}
     assert np.abs(run.q[-1] - joint_angles(machine.leg, stand.flexion[:1])[0]).max() < 0.05
+
+
+@pytest.mark.slow
+def test_it_climbs_a_stair_without_hands(monkeypatch):
+    """Two steps: the foot behind turns about its toe, and the other one lands 12 cm higher."""
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[3] / "scripts"))
+    steps = importlib.import_module("steps_on_ground")
+    size, plant = steps.STAIRS_UP, ground.bleex_machine()
+    plant = replace(plant, blocks=(Block(0.5 * size.length, 3.0, size.climb),))
+    loop = loop_of(plant, {0.1: "first step"})
+    names = ("first step", "last step", "stand")
+    functions = {name: each for name, each in steps.stepping(plant, size).items() if name in names}
+    table = [Rule("stand", "request", names[0]), Rule(names[0], "end", names[1]), Rule(names[1], "end", "stand")]
+    table.append(Rule(SAFE, "known", "stand"))
+    loop = replace(loop, coordinator=Coordinator(functions, plant.leg.limits.effort, table, rate=500.0))
+    stand, time = functions["stand"], np.arange(-0.3, 7.0, 0.01)
+    q = np.tile(joint_angles(plant.leg, stand.flexion[:1]), (len(time), 1))
+    motion = GroundMotion(time, q, np.zeros_like(q), np.tile(stand.torso[0], (len(time), 1)))
+    run = simulate_on_ground(plant, motion, loop, rates=RATES, sensors=SENSORS, wearer=PASSIVE, seed=3)
+    assert (loop.decisions[-1].function, loop.decisions[-1].level) == ("stand", "support")
+    assert {d.level for d in loop.decisions} <= {"support", "frozen"}
+    moved = run.position[-1] - run.position[0]
+    np.testing.assert_allclose(moved[[0, 2]], [size.length, size.climb], atol=0.02)
+    assert np.abs(run.q[-1] - q[0]).max() < 0.05
+    assert {name for d in loop.decisions for name in d.shares} == {*SIDES}
 
 
 @pytest.mark.slow
