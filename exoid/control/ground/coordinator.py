@@ -191,14 +191,15 @@ class Coordinator:
         level = "support" if known else "frozen" if held or feet else "damping"
         for name in (*SIDES, SEAT):  # what is left bears less and less in doubt, too
             way = -1.0 if name in leaving else 0.0 if level == "frozen" else 1.0
+            # a foot that is felt and then bears next to nothing would be lost again
             course = max(memory.loaded.get(name, 0.0), 0.3 * (way > 0.0)) + way * dt / self.transfer
             bearing = name in kept and level != "damping"
             memory.loaded[name] = min(max(course, 0.0), 1.0) if bearing else 0.0
         if level == "damping" or not feet:
             return Decision(memory.function, memory.phase, "damping", {})
         shares = {name: float(minimum_jerk(memory.loaded[name])) for name in kept}
-        if max(shares[name] for name in feet) <= 0.0:
-            shares |= dict.fromkeys(feet, 1.0) if len(feet) == 1 else {}
+        if len(feet) == 1 and shares[feet[0]] <= 0.0:
+            shares[feet[0]] = 1.0
         return Decision(memory.function, memory.phase, level, shares)
 
     def expected(self, memory: CoordinatorMemory) -> Collection[Contacts]:

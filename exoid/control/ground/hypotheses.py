@@ -243,11 +243,10 @@ class ContactFilter:
         surprise = np.where([*planned, not expected], 0.0, np.log(self.noise.surprise))
         for k in range(K):
             belief = self._changes @ memory.probability
-            memory.misfit += BLOCK / self.noise.agrees * (misfit[k] - memory.misfit)
-            wrong = memory.misfit > self.noise.misfit  # jolts are short
+            memory.misfit += BLOCK / self.noise.agrees * (misfit[k] - memory.misfit)  # jolts are short
+            wrong = memory.misfit > self.noise.misfit
             memory.distrusted = self.noise.distrusted if wrong else max(memory.distrusted - BLOCK, 0.0)
-            # a frozen encoder explains the rows by another set: nothing but its constant reading tells. At rest any
-            # reading may be constant, so that one which was when the machine moved is frozen until it changes
+            # a frozen encoder explains the rows by another set: only that it was constant in motion tells, and still is
             memory.frozen = still[k] & (memory.frozen | moves[k])
             if np.any(memory.frozen) or memory.distrusted > 0.0:
                 likelihood[k] = unknown

@@ -245,7 +245,7 @@ class CoordinatedLoop(LawLoop):
             own = limb.joints
             if side in lands:  # early or late: it stays where it is, or both legs would press against each other
                 self._since[own], self._off[own] = 0.0, q[own] - x[own]
-            self._late[side] = min(self._late[side] + dt, LONGEST) if side in late else 0.0
+            self._late[side] = min(self._late[side] + dt, LONGEST) * (side in late)
             if side in late:
                 speed[own] += (way := SEEK * self._lowering(q, side, own))
                 lower[own] = self._late[side] * way
