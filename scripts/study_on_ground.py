@@ -424,11 +424,11 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     calls = (delayed(all_worn)(s) if only == "worn" else delayed(all_coordinated)(machine, s, only) for s in seeds)
     found = Parallel(n_jobs=jobs)(calls)
     print(f"{machine}: {len(seeds)} seeds from {seeds[0]}; ended, and the worst of each figure")
-    print(f"{'':20s}" + "".join(f"{name:>14s}" for name in COORDINATED))
+    print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        cells = "".join(f"{worst:14.3g}" for worst in np.nanmax(rows[:, 1:], axis=0))
-        print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):9d} of {len(rows)}{cells}", flush=True)
+        cells = "".join(f"{worst:13.3g}" for worst in np.nanmax(rows[:, 1:], axis=0))
+        print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}{cells}", flush=True)
 
 
 class Probe(GroundLoop):
