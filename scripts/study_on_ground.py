@@ -335,7 +335,7 @@ def judged(
 COORDINATED = (
     "ended",
     "end [mrad]",
-    "joints [mrad]",
+    "rms [mrad]",
     "damped [ms]",
     "air [ms]",
     "torque [N·m]",
