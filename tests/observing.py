@@ -13,6 +13,7 @@ from walking import TORQUE_NOISE, Walk
 from exoid import Coulomb, Estimate, Leg, Offset, Recording, Viscous, identify
 from exoid.control.observers import SensorNoise
 from exoid.experiments import Harmonics, gait_for_leg
+from exoid.experiments.bench import stiff_servo
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, Wearer, simulate
 from exoid.torques import TorqueModel
 
@@ -177,6 +178,12 @@ def worn_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: floa
     gait = walks(leg, periods)
     law = ProportionalDerivative(0.0, 0.0)
     return _worn(leg, gait, law, Wearer.build(leg, intention=gait), seconds, seed, rate)
+
+
+def passive_run(leg: Leg, periods: Array, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
+    """Rigs whose servo moves them and a passive limb in strides of several times."""
+    plant = _plant(leg, len(periods))
+    return _worn(leg, walks(leg, periods), stiff_servo(plant), Wearer.build(leg), seconds, seed, rate)
 
 
 def walks(leg: Leg, periods: Array) -> Harmonics:
