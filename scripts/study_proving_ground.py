@@ -109,11 +109,14 @@ def coverage(outcomes: Sequence[Outcome]) -> str:
     }
     rows = []
     for name, belongs in groups.items():
-        inside = [o.inside for o in outcomes if belongs(o) and len(o.inside)]
-        if inside:
-            shares = [np.mean(x) for x in inside]
-            rows.append((name, str(len(inside)), f"{np.mean(shares):.2f}", f"{np.min(shares):.2f}"))
-    return table(("machines", "number", "intervals that hold", "worst machine"), rows)
+        chosen = [o for o in outcomes if belongs(o) and len(o.inside)]
+        if chosen:
+            shares = [np.mean(o.inside) for o in chosen]
+            sure = [np.mean(o.inside[~o.doubtful]) for o in chosen if not o.doubtful.all()]
+            figures = (f"{f(x):.2f}" if x else "" for x in (shares, sure) for f in (np.mean, np.min))
+            rows.append((name, str(len(chosen)), *figures))
+    headers = ("machines", "number", "intervals that hold", "worst machine", "not doubtful", "worst machine")
+    return table(headers, rows)
 
 
 def refusals(outcomes: Sequence[Outcome]) -> str:
@@ -127,15 +130,16 @@ def to_json(outcome: Outcome) -> str:
     numbers = {
         name: getattr(outcome, name) for name in ("nrmse", "seconds", "false", "true", "named", "shown", "refused")
     }
-    return json.dumps({"seed": outcome.machine.seed, "inside": outcome.inside.tolist(), **numbers})
+    numbers |= {name: getattr(outcome, name).tolist() for name in ("inside", "doubtful")}
+    return json.dumps({"seed": outcome.machine.seed, **numbers})
 
 
 def from_json(text: str) -> Outcome:
     """Read them."""
     numbers = json.loads(text)
-    inside = np.array(numbers.pop("inside"), dtype=bool)
+    numbers |= {name: np.array(numbers[name], dtype=bool) for name in ("inside", "doubtful")}
     found = {name: [(a, b) for a, b in numbers.pop(name)] for name in ("false", "true")}
-    return Outcome(draw(numbers.pop("seed")), inside=inside, **found, **numbers)
+    return Outcome(draw(numbers.pop("seed")), **found, **numbers)
 
 
 def main() -> None:

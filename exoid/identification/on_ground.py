@@ -339,12 +339,14 @@ def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:
 
 def _outlier(support: str, share: float, recording: Recording, *, kept: bool) -> Finding:
     """Say that samples do not fit."""
-    # with a load cell alone no contact can be labelled wrongly: the model may be poor
     severity: Severity = "warning" if kept or share > MUCH_LEFT_OUT else "info"
-    severity = "error" if kept and support != MEASURED else severity
-    text = (
-        f"{share:.1%} of the samples with {support} do not fit the others: a contact is labelled wrongly, slips, or "
-        "another force acts; " + ("they are too many to leave out" if kept else "they were left out")
-    )
+    kind, cause = "wrong-contact", "a contact is labelled wrongly, slips, or another force acts"
     remedy, where = "check contacts and other forces on the leg", source_of(recording)
-    return Finding("wrong-contact", "", share, "1", severity, text, remedy, recording=where)
+    if support == MEASURED:  # with a load cell alone no contact can be labelled wrongly: the model may be poor
+        kind, cause = "large-residual", "friction has another form, or another force acts"
+        remedy = "compare friction terms, and check for contacts, straps and cables"
+    elif kept:
+        severity = "error"
+    after = "they are too many to leave out" if kept else "they were left out"
+    text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; {after}"
+    return Finding(kind, "", share, "1", severity, text, remedy, recording=where)

@@ -197,6 +197,7 @@ class Outcome:
         nrmse: Mean NRMSE of the driven joints on the motion to be judged on, without errors of sensors, by model.
         seconds: Processor time by what was done [s].
         inside: Which 95 % intervals of the rigid bodies contain the truth.
+        doubtful: Which of these parameters a warning or error makes doubtful.
         false: Findings of the log that nothing in the machine explains, as (severity, kind).
         true: Findings that the machine explains.
         named: Whether each mistake is named with the right joint.
@@ -208,6 +209,7 @@ class Outcome:
     nrmse: dict[str, float] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     inside: Array = field(default_factory=lambda: np.zeros(0))
+    doubtful: Array = field(default_factory=lambda: np.zeros(0))
     false: list[tuple[str, str]] = field(default_factory=list)
     true: list[tuple[str, str]] = field(default_factory=list)
     named: dict[str, bool] = field(default_factory=dict)
@@ -246,6 +248,9 @@ def attend(
             outcome.nrmse[name] = error(machine, estimate, test)
             if name == "checked":
                 outcome.inside = inside(machine, estimate)
+                doubtful = {name for one in estimate.findings if one.severity != "info" for name in one.parameters}
+                rigid = [name for name in estimate.names if name in leg.parameter_names]
+                outcome.doubtful = np.array([name in doubtful for name in rigid])
                 judge(outcome, estimate.findings)
     return outcome
 
@@ -274,13 +279,22 @@ def inside(machine: Machine, estimate: exoid.Estimate) -> Array:
 
 def judge(outcome: Outcome, findings: Iterable[exoid.Finding]) -> None:
     """Sort warnings and errors into those that the machine explains, and others."""
-    sensing = outcome.machine.sensing
+    sensing, machine = outcome.machine.sensing, outcome.machine
+    heavier = max(cad.mass / body.mass for cad, body in zip(machine.believed[1:], machine.bodies, strict=True))
+    laws = {joint.friction.kind for joint in machine.joints} | {joint.friction.transition for joint in machine.joints}
+    lacking = not laws <= {"sharp", "smooth"}
     delay = sensing.delay - sensing.lag * (sensing.torque == "command")
     for finding in findings:
         if finding.severity == "info":
             continue
-        explained = finding.kind == "unmodelled-friction" or (
-            finding.kind == "torque-delay" and abs(finding.value - delay) < 1e-3 < abs(delay) + 1e-9
+        low, high = finding.interval or (np.inf, -np.inf)
+        near = low < delay < high or abs(finding.value - delay) < 1e-3
+        warned = finding.severity == "warning"
+        explained = (
+            finding.kind == "unmodelled-friction"
+            or (finding.kind == "torque-delay" and near and abs(delay) + 1e-9 > 1e-3)
+            or (finding.kind == "torque-scale" and warned and heavier > 3.0)
+            or (finding.kind == "large-residual" and warned and lacking)
         )
         (outcome.true if explained else outcome.false).append((finding.severity, finding.kind))
 
@@ -312,6 +326,8 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
     if kind == "angle-offset" and joint == 0:  # of the first joint it may be the direction of gravity
         kinds |= {"gravity-direction"}
         labels |= {""}
+    if kind == "angle-sign" and joint == 0:  # of a mirrored leg, the sign of the first torque is as likely
+        kinds |= {"torque-sign"}
     outcome.named[mistake] = any(f.kind in kinds and (f.joint in labels or name in f.message) for f in found)
     if not outcome.named[mistake] and isinstance(spoiled, Recording):
         growth = residuals(leg, spoiled) / residuals(leg, recording)

@@ -204,6 +204,11 @@ def outliers(channel: Channel) -> Iterator[Finding]:
         yield Finding("dropout", channel.joint, share, "1", "error", message, remedy)
         odd &= x != 0.0
     odd &= deviation > 5.0 * float(np.quantile(deviation, 0.95))
+    # A joint that jerks rings: the samples on both sides of a peak then have a part of it
+    ends = np.pad(x, 3, mode="edge")
+    level = 0.5 * (ends[:-6] + ends[6:])
+    size, beside = x - level, [neighbour - level for neighbour in (ends[2:-4], ends[4:-2])]
+    odd &= np.minimum(*(size * part for part in beside)) < 0.3 * size**2
     if odd.sum() >= max(4, 0.002 * len(x)):
         share, lean = float(np.mean(odd)), float(np.mean(np.sign(apart[odd])))
         message = (

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.evidence import MotionRanges
-from exoid.regression.least_squares import TINY, scaled_pinv
+from exoid.regression.least_squares import TINY, scaled_lstsq
 from exoid.regression.row_data import Rows
 
 
@@ -62,7 +62,7 @@ class Evidence(NamedTuple):
         fitted = [r_factor(R[:, np.append(columns, -1)]) for R in self.factors]
         for _ in range(4 if start is None else 2):  # weights and residuals in turn; fewer from those of a similar fit
             R = np.vstack([w * R for w, R in zip(weights, fitted, strict=True)])
-            solution = scaled_pinv(R[:, :-1]) @ R[:, -1]
+            solution = scaled_lstsq(R[:, :-1], R[:, -1])
             rms = [np.linalg.norm(R_j[:, -1] - R_j[:, :-1] @ solution) for R_j in fitted] / np.sqrt(self.counts)
             weights = 1.0 / np.maximum(rms, floor)
         return np.asarray(weights)

@@ -48,6 +48,8 @@ def fit_torques(
     of_joints: Sequence[FloatArray],
     order: Sequence[int] = (),
     factors: Sequence[float] = (),
+    *,
+    rounds: int = 3,
 ) -> tuple[float, FloatArray]:
     """Fit torques read otherwise: mean log residual/torque, and free values."""
     model, n, driven = fitted.model, len(of_joints), driven_joints(of_joints)
@@ -59,17 +61,20 @@ def fit_torques(
         R = of_joints[joint]
         rows.append((R[:, :count][:, free], factors[joint] * R[:, count + order[joint]] - R[:, :count] @ known))
     level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), 1e-12)
-    # All torques with the wrong sign would fit as well if what is positive in nature were not kept positive.
-    lower = np.where(never_negative(model)[free], 0.0, -np.inf)
-    weights = 1.0 / level
-    for _ in range(3):  # weights of the joints and residuals in turn
-        A = np.vstack([w * W for w, (W, _) in zip(weights, rows, strict=True)])
-        b = np.concatenate([w * t for w, (_, t) in zip(weights, rows, strict=True)])
-        x = scaled_lstsq(A, b)
-        if (x < lower).any():
-            scale = column_scale(A)
-            R = r_factor(np.column_stack([A / scale, b]))
-            x = scipy.optimize.lsq_linear(R[:, :-1], R[:, -1], (lower, np.inf), method="bvls", tol=1e-8).x / scale
+    # All torques with the wrong sign would fit as well if what is positive in nature were not kept positive. Columns of
+    # these stand last: the R factor then has their rows, from which others are eliminated, below.
+    held = never_negative(model)[free]
+    columns, others = np.argsort(held, kind="stable"), int(np.count_nonzero(~held))
+    weights, x = 1.0 / level, np.zeros(len(held))
+    for _ in range(rounds):  # weights of the joints and residuals in turn
+        R = r_factor(
+            np.vstack([w * np.column_stack([W[:, columns], t]) for w, (W, t) in zip(weights, rows, strict=True)])
+        )
+        scale = column_scale(R[:, :-1])
+        A, b = R[:, :-1] / scale, R[:, -1]
+        positive, _ = scipy.optimize.nnls(A[others:, others:], b[others:])
+        rest = scaled_lstsq(A[:, :others], b - A[:, others:] @ positive)
+        x[columns] = np.append(rest, positive) / scale
         left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
         weights = 1.0 / np.maximum(left, 1e-6 * level)
     return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level))), x

@@ -12,8 +12,8 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import SEVERITIES, Finding, Severity
 from exoid.leg.leg import Leg
-from exoid.leg.lift import check_physical, lift
-from exoid.leg.lift.lift import consistent_within
+from exoid.leg.lift import check_physical
+from exoid.leg.lift.lift import nearest_within
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques import TorqueModel
 
@@ -124,13 +124,11 @@ def impossible_leg(checked: CheckedFit) -> Iterator[Finding]:
         return
     try:
         apart = _wrong_side(leg, bodies, errors)
-        if apart < IMPOSSIBLE and consistent_within(leg, bodies, errors, IMPOSSIBLE):
-            return
-        nearest = lift(leg, bodies, errors)
-        change = checked.evidence.torque_shares(np.arange(rigid), np.diag(bodies - nearest.values)).max()
+        nearest, distance = nearest_within(leg, bodies, errors, IMPOSSIBLE)
+        change = checked.evidence.torque_shares(np.arange(rigid), np.diag(bodies - nearest)).max()
         if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
             return
-        apart = max(apart, nearest.distance)
+        apart = max(apart, distance)
     except (ExoidError, np.linalg.LinAlgError):  # a covariance without a metric
         return
     if apart < IMPOSSIBLE:

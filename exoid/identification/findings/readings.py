@@ -78,13 +78,13 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
         yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only(j, unit))
 
 
-def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
-    """Try other signs, orders of joints and units; report the one that fits by far better."""
+def gross_findings(fitted: FittedLeg, *, angles: bool) -> tuple[Finding, ...]:
+    """Try other signs, orders of joints and units, also of angles; report the one that fits by far better."""
     trial = fitted._replace(data=_shortened(fitted.data))
     try:
         as_logged = torque_factors(trial, trial.data)
         reference, _ = fit_torques(trial, as_logged)
-        best, least = _best_reading(trial, as_logged, reference)
+        best, least = _best_reading(trial, as_logged, reference, angles=angles)
     except (ExoidError, np.linalg.LinAlgError):
         return ()
     if best is None:
@@ -95,7 +95,9 @@ def gross_findings(fitted: FittedLeg) -> tuple[Finding, ...]:
     return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=names),)
 
 
-def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: float) -> tuple[Reading | None, float]:
+def _best_reading(
+    fitted: FittedLeg, as_logged: list[FloatArray], reference: float, *, angles: bool
+) -> tuple[Reading | None, float]:
     """Reading that fits by far better, if any, and the misfit that another one would have to fall below."""
     plain, *others = readings(fitted.model.joint_names)
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
@@ -104,14 +106,21 @@ def _best_reading(fitted: FittedLeg, as_logged: list[FloatArray], reference: flo
     names = fitted.model.joint_names
     still = {name for name, span in zip(names, spans, strict=True) if span < 0.05}
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
+    logged = kinematics = plain.angles, plain.angle_order
+    factors = as_logged
+    first, _ = fit_torques(fitted, as_logged, rounds=1)
     for reading in others:
         joints = set(reading.joint.split(", "))
         moved = {joint for joint, (j, k) in zip(names, enumerate(reading.torque_order), strict=True) if j != k}
         if joints & still or moved & passive:
             continue
-        factors = as_logged
-        if (reading.angles, reading.angle_order) != (plain.angles, plain.angle_order):
+        if not angles and (reading.angles, reading.angle_order) != logged:
+            continue
+        if (reading.angles, reading.angle_order) != kinematics:  # rows of the reading before may be the same
+            kinematics = reading.angles, reading.angle_order
             factors = torque_factors(fitted, [_angles_of(reading, one) for one in fitted.data])
+        if fit_torques(fitted, factors, reading.torque_order, reading.torques, rounds=1)[0] > first:
+            continue  # weights by its own residuals would not bring it so far
         misfit, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
         if reading.kind == "joint-order" and joints & passive:  # only the torques of others speak for it
             misfit += share * np.log(PASSIVE)

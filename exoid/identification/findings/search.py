@@ -116,8 +116,8 @@ def _is_late(score: Score) -> bool:
 
 
 def _is_scaled(score: Score) -> bool:
-    """Whether a fault is a torque out of scale that explains much."""
-    return score.nuisance.kind == "torque-scale" and score.gain > LARGE_GAIN
+    """Whether a fault is a torque or an angle out of scale that explains much."""
+    return score.nuisance.kind in ("torque-scale", "angle-scale") and score.gain > LARGE_GAIN
 
 
 def _counts(score: Score, limit: float) -> bool:
@@ -137,6 +137,8 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
     scores = [state.test(one, plain, most) for one, most in zip(new, limits, strict=True) if one in conspicuous]
     # what a first step left of faults that were taken out
     scores += [beside.fit(fault).test(fault, plain, limit) for fault in beside.faults if fault.is_corrected]
+    shift = (one for one in scores if one and one.nuisance.kind == "torque-delay" and not one.nuisance.joint)
+    constant = max((one.evidence for one in shift if not _is_late(one)), default=-np.inf)
     likely: list[Score] = []
     for score in sorted((one for one in scores if one is not None), key=lambda one: -one.evidence):
         most = max((one.evidence for one in likely), default=-np.inf)
@@ -145,8 +147,11 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
         again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN or _is_late(score) else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
             columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
-            if kind == "two-clocks" and beside.evidence.torque_shares(columns, again.delta[:, None])[0] < 0.005:
-                continue  # what friction that drifts may do too
+            if kind == "two-clocks" and (
+                beside.evidence.torque_shares(columns, again.delta[:, None])[0] < 0.005  # as friction that drifts does
+                or constant > 0.8 * again.evidence  # a motion that becomes faster shows a short delay ever more
+            ):
+                continue
             likely.append(again)
     # straps and cross-talk of many columns imitate a late torque, or one out of scale, which one number explains
     most = max((one.evidence for one in likely), default=0.0)

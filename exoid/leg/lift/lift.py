@@ -173,16 +173,16 @@ def lift(
 
 
 @_in_range()
-def consistent_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance: float) -> bool:
-    """Say whether some physically consistent links have base parameters within a distance of the given ones."""
-    # This costs less than `lift`, which looks for the nearest.
+def nearest_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance: float) -> tuple[FloatArray, float]:
+    """Find values of some consistent links within a distance, or else of the nearest, whose distance is 5 % too far."""
+    # This costs less than `lift`, which tries to reproduce the values first, and then finds the nearest exactly.
     target = fitting(leg, values)
     prior, problem = _problem(leg, target)
     metric = _metric(fitting(leg, covariance, "covariance", 2), problem)
     natural = _whitening(problem.K @ problem.K.T)
     heaviest = _usual_mass(natural @ leg.reduction.parameters(prior), natural @ target)
-    found = approach(problem, target, metric, np.full(problem.links, heaviest), enough=distance)
-    return bool(np.linalg.norm(metric @ (target - problem.K @ found.unit)) <= distance)
+    found = problem.K @ approach(problem, target, metric, np.full(problem.links, heaviest), enough=distance).unit
+    return found, float(np.linalg.norm(metric @ (target - found)))
 
 
 def _usual_mass(own: FloatArray, target: FloatArray) -> float:

@@ -13,7 +13,7 @@ import exoid
 from exoid import Leg
 from exoid.leg.description import describe
 from exoid.leg.lift import Lift, lift
-from exoid.leg.lift.lift import consistent_within
+from exoid.leg.lift.lift import nearest_within
 from exoid.leg.lift.nearest_bodies import Problem, approach
 from exoid.leg.lift.pseudo_inertia import (
     congruence,
@@ -347,10 +347,12 @@ def test_any_mass_may_be_allowed(bleex):
 
 
 @pytest.mark.parametrize("errors", [0.0, 0.3, 3.0])
-def test_consistent_within_a_distance_is_what_the_nearest_lift_says(arm, errors):
+def test_nearest_within_a_distance_is_what_the_nearest_lift_says(arm, errors):
     rng = np.random.default_rng(3)
     values, covariance = noisy(arm, rng, 0.02)
     values = arm.parameters + errors * (values - arm.parameters)
     distance = lift(arm, values, covariance).distance
-    assert consistent_within(arm, values, covariance, 1.05 * distance + 1e-6)
-    assert distance == 0.0 or not consistent_within(arm, values, covariance, 0.95 * distance)
+    _, near = nearest_within(arm, values, covariance, 1.05 * distance + 1e-6)
+    assert near <= 1.05 * distance + 1e-6
+    _, nearest = nearest_within(arm, values, covariance, 0.5 * distance)
+    assert distance <= nearest <= 1.05 * distance + 1e-6
