@@ -48,7 +48,8 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     # Noise in columns shrinks parameters (errors in variables), most where columns nearly cancel each other, and the
     # same noise once more does so by about as much again. Its random part is odd, and cancels between both signs.
     problem, solution = fitted.problem, fitted.fit.solution
-    if not any(_derives(one) for group in problem.groups for one in few_of(group.data)):
+    every = (one for group in problem.groups for one in few_of(group.data))
+    if all(isinstance(one, Poses) or one.a is not None for one in every):
         return fitted
     try:
         noisier = [fit_linear(_noisier(problem, sign), estimator).fit.solution.values for sign in (1.0, -1.0)]
@@ -72,17 +73,12 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     return fitted._replace(findings=(*fitted.findings, finding))
 
 
-def _derives(one: Recording | Poses) -> bool:
-    """Whether accelerations are derived, from angles with noise."""
-    return isinstance(one, Recording) and one.a is None
-
-
 def _noisier(problem: Problem, sign: float) -> Problem:
     """Add noise of its own size to motions whose accelerations are derived."""
     rng = np.random.default_rng(0)
 
     def once_more(one: Recording | Poses) -> Recording | Poses:
-        if not isinstance(one, Recording) or not _derives(one):
+        if not isinstance(one, Recording) or one.a is not None:
             return one
         noisy = replace(one, q=one.q + sign * white_noise(one.q) * rng.standard_normal(one.q.shape))
         if one.base is None or one.base.pose is not None:

@@ -9,8 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
-from exoid.regression.fit import Fit
-from exoid.regression.least_squares import ROUNDING, RFactor, factorize, scaled_lstsq, stack
+from exoid.regression.least_squares import ROUNDING, TINY, RFactor, factorize, scaled_lstsq, stack
 from exoid.torques import TorqueModel
 from exoid.torques.linearised import Linearised
 
@@ -35,7 +34,9 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
         if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ALIKE * np.abs(before)).all():
             change = 0.0
             break
-        change = _change(problem, fit, moved)
+        table = stack(problem.r_factors, fit.weights).R
+        left = np.linalg.norm(table @ np.append(values, -1.0)) + ROUNDING * np.linalg.norm(table[:, -1]) + TINY
+        change = float(np.linalg.norm(table[:, :-1] @ moved) / left)
         if change <= SETTLED:
             break
     # After the last step, a warning is due if predictions still change by more than this part of the residual
@@ -46,26 +47,22 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
 
 
 def _start(given: Problem) -> FloatArray:
-    """Solve from no load on, with equal weights first and then with those by the residuals of each joint."""
-    values, weights = given.prior_knowledge.fixed_values(given.names), None
-    for weighted in (False, True):
-        for _ in range(STEPS):
-            problem = given.changed(model=Linearised.of(given.model, values))
-            problem.refuse_empty_joints()
-            values, moved = _solve(given, problem.r_factors, weights, values)
-            if moved <= SETTLED:
-                break
-        if not weighted:
-            sizes = [t.residual(values) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors]
-            torques = [float(np.linalg.norm(t.R[:, -1])) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors]
-            weights = [1.0 / max(size, ROUNDING * max(torques)) for size in sizes]
-            values, _ = _solve(given, problem.r_factors, weights, values)
+    """Solve from no load on, rows of each joint over its torque, or over a hundredth of the largest one."""
+    values = given.prior_knowledge.fixed_values(given.names)
+    for _ in range(STEPS):
+        problem = given.changed(model=Linearised.of(given.model, values))
+        problem.refuse_empty_joints()
+        torques = np.array([np.linalg.norm(t.R[:, -1]) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors])
+        weights = 1.0 / np.maximum(torques, max(0.01 * torques.max(), TINY))
+        values, moved = _solve(given, problem.r_factors, weights.tolist(), values)
+        if moved <= SETTLED:
+            break
     _refuse_unloaded(given, problem.r_factors)
     return values
 
 
 def _solve(
-    given: Problem, r_factors: Sequence[RFactor], weights: Sequence[float] | None, values: FloatArray
+    given: Problem, r_factors: Sequence[RFactor], weights: Sequence[float], values: FloatArray
 ) -> tuple[FloatArray, float]:
     """Solve for the free parameters; tells how far predictions moved, as a part of the residual."""
     free = given.prior_knowledge.free(given.names)
@@ -93,11 +90,3 @@ def _refuse_unloaded(given: Problem, r_factors: Sequence[RFactor]) -> None:
             remedy="leave out LoadFriction at these joints",
             parameters=tuple(unloaded),
         )
-
-
-def _change(problem: Problem, fit: Fit, moved: FloatArray) -> float:
-    """How far predictions move with the parameters, as a part of the residual."""
-    table = stack(problem.r_factors, fit.weights).R
-    left = float(np.linalg.norm(table @ np.append(fit.solution.values, -1.0)))
-    left = max(left, ROUNDING * float(np.linalg.norm(table[:, -1])))
-    return float(np.linalg.norm(table[:, :-1] @ moved)) / left if left > 0.0 else 0.0

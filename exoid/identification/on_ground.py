@@ -341,12 +341,11 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
     """Say that samples do not fit."""
     severity: Severity = "warning" if kept or share > MUCH_LEFT_OUT else "info"
     kind, cause = "wrong-contact", "a contact is labelled wrongly, slips, or another force acts"
-    remedy, where = "check contacts and other forces on the leg", source_of(recording)
+    remedy, where = "check friction terms, contacts and other forces on the leg", source_of(recording)
     if support == MEASURED:  # with a load cell alone no contact can be labelled wrongly: the model may be poor
         kind, cause = "large-residual", "friction has another form, or another force acts"
-        remedy = "compare friction terms, and check for contacts, straps and cables"
     elif kept:
         severity = "error"
-    after = "they are too many to leave out" if kept else "they were left out"
-    text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; {after}"
+    text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; "
+    text += "they are too many to leave out" if kept else "they were left out"
     return Finding(kind, "", share, "1", severity, text, remedy, recording=where)

@@ -66,7 +66,7 @@ def ols(problem: LeastSquaresProblem) -> Fit:
 
 
 def wls(problem: LeastSquaresProblem) -> Fit:
-    """Each joint's rows are divided by that joint's own residual of a first, ordinary, fit.
+    """Each joint's rows are divided by that joint's own residual of a fit before, of which the first is ordinary.
 
     A hip whose sensor errs by 1 N·m then no longer drowns an ankle whose sensor errs by 0.1 N·m.
 
@@ -78,27 +78,23 @@ def wls(problem: LeastSquaresProblem) -> Fit:
     """
     # The first fit may sacrifice a joint of small torques. Where its residual then falls by more than half, its weight
     # was too small: with more rounds, 79 machines of the proving ground (seeds below 80) have 0.95 of the NRMSE.
-    floor, factors = noise_floor(problem), problem.r_factors
-
-    def residuals(values: FloatArray) -> FloatArray:
-        return np.array([max(each.residual(values) / math.sqrt(max(each.rows, 1)), floor) for each in factors])
-
+    factors, floor = problem.r_factors, noise_floor(problem)
     measured = np.array([bool(each.R[:, -1].any()) for each in factors])  # others would have ever more weight
-    rms = residuals(ols(problem).solution.values)
-    for _ in range(5):
-        solution = problem.solve(stack(factors, (1.0 / rms).tolist()))
-        left = np.where(measured, residuals(solution.values), rms)
-        if (2.0 * left >= rms).all():
+    solution, rms = ols(problem).solution, np.full(len(factors), np.inf)
+    for _ in range(6):
+        left = [max(each.residual(solution.values) / math.sqrt(max(each.rows, 1)), floor) for each in factors]
+        settled = np.where(measured | np.isinf(rms), left, rms)
+        if (2.0 * settled >= rms).all():
             break
-        rms = left
+        rms = settled
+        solution = problem.solve(stack(factors, (1.0 / rms).tolist()))
     return Fit(solution, (1.0 / rms).tolist())
 
 
 def noise_floor(problem: LeastSquaresProblem) -> float:
     """Size below which a residual is rounding [N·m]."""
     torque = max(float(np.linalg.norm(t.R[:, -1])) / math.sqrt(max(t.rows, 1)) for t in problem.r_factors)
-    # Residuals below this fraction of the leg's torque are rounding, not noise, and do not raise a weight
-    # further
+    # Residuals below this fraction of the leg's torque are rounding, not noise, and raise no weight further
     return 1e-9 * torque
 
 
@@ -198,7 +194,11 @@ def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution)
 
 def _changes(noises: Noises, root: FloatArray, clip: float, parts: Sequence[Series]) -> FloatArray:
     """Change of the estimate without each block of one recording, (blocks, P)."""
-    length = _block_length([noises[part.kind, part.joint] for part in parts])
+    # so that all recordings have as many blocks, or ∛N of N independent samples if that is more
+    heard = [noise for noise in (noises[part.kind, part.joint] for part in parts) if noise.samples]
+    samples = min((noise.samples for noise in heard), default=1.0)
+    independent = min((noise.samples * noise.effective_share for noise in heard), default=1.0)
+    length = max(1, int(np.ceil(samples / max(BLOCKS, independent ** (1.0 / 3.0)))))
     cuts = range(0, len(parts[0].residual), length)
     scores, informations = np.zeros((len(cuts), len(root))), np.zeros((len(cuts), len(root), len(root)))
     for part in parts:
@@ -212,14 +212,6 @@ def _changes(noises: Noises, root: FloatArray, clip: float, parts: Sequence[Seri
     # Without a block, at least this part of the information on any direction counts as left
     turned = np.einsum("bij,bi->bj", U, scores) / np.maximum(sizes, 0.1)
     return np.asarray(-np.einsum("bij,bi->bj", Vt, turned) @ root.T)
-
-
-def _block_length(noises: Sequence[AutoregressiveNoise]) -> int:
-    """Rows in a block, so that all recordings have :data:`BLOCKS`, or ∛N of N independent samples if that is more."""
-    heard = [noise for noise in noises if noise.samples]
-    samples = min((noise.samples for noise in heard), default=1.0)
-    independent = min((noise.samples * noise.effective_share for noise in heard), default=1.0)
-    return max(1, int(np.ceil(samples / max(BLOCKS, independent ** (1.0 / 3.0)))))
 
 
 def _whitened(noise: AutoregressiveNoise, part: Series, clip: float) -> tuple[FloatArray, FloatArray, FloatArray]:

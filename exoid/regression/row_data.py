@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import pickle
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -75,26 +73,19 @@ class RowsFile:
 
     def __init__(self, rows: Rows) -> None:
         """Write them to a file that has no name."""
-        with _writing():
+        try:
             self._file = tempfile.TemporaryFile(prefix="exoid-")  # noqa: SIM115 - closed with the last reference
             pickle.dump(rows, self._file, protocol=pickle.HIGHEST_PROTOCOL)
             self._file.flush()
+        except OSError as problem:
+            raise ExoidError(
+                f"temporary rows cannot be written: {problem.strerror or problem}",
+                where=os.environ.get("TMPDIR", ""),
+                remedy="free space there, or name another folder by the environment variable TMPDIR",
+            ) from None
 
     def read(self) -> Rows:
         """Read them."""
         self._file.seek(0)
         rows: Rows = pickle.load(self._file)
         return rows
-
-
-@contextmanager
-def _writing() -> Iterator[None]:
-    """Turn an error of the operating system into one line about the folder of temporary files."""
-    try:
-        yield
-    except OSError as problem:
-        raise ExoidError(
-            f"temporary rows cannot be written: {problem.strerror or problem}",
-            where=os.environ.get("TMPDIR", ""),
-            remedy="free space there, or name another folder by the environment variable TMPDIR",
-        ) from None

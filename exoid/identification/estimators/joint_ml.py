@@ -99,7 +99,13 @@ class JointML:
                 f"knots every {spacing:g} s are closer than {CLOSEST:g} samples",
                 remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None",
             )
-        return _as_fit(problem, first, fit(moving, values=values, spacing=spacing))
+        found = fit(moving, values=values, spacing=spacing)
+        # noise is that of the filtered rows too, as for other estimators
+        solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
+        noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
+        warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
+        name, uncertainty = f"ml(spacing={found.spacing:.4g})", found.uncertainty()._replace(noises=noises)
+        return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)
 
 
 def _refuse_what_it_lacks(problem: Problem) -> None:
@@ -170,13 +176,3 @@ def _best(fit: Callable[..., MotionFit], moving: Sequence[Moving], values: Float
         if best is not first:
             break
     return best
-
-
-def _as_fit(problem: Problem, first: Fit, found: MotionFit) -> Fit:
-    """Describe the noise of the filtered rows too, as for other estimators."""
-    solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
-    noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
-    warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
-    name = f"ml(spacing={found.spacing:.4g})"
-    uncertainty = found.uncertainty()._replace(noises=noises)
-    return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)

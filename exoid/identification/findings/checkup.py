@@ -22,7 +22,6 @@ from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
 from .efforts import missing_gravity, unsigned_torques
 from .evidence import Evidence
-from .kinds import library
 from .loop_gap import loop_gaps
 from .physics import (
     CheckedFit,
@@ -100,9 +99,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     explained = False  # impossible parameters
     if not broken:
         found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
-        # other angles need all rows anew, other torques do not
-        angles = not found and bool(_fits_poorly(checked) or checked.below.any())
-        if angles or (not found and (checked.nrmse > 0.25 * POOR).any()):
+        angles = bool((checked.nrmse > POOR).any() or checked.below.any())  # they need all rows anew
+        if not found and (angles or (checked.nrmse > 0.25 * POOR).any()):
             found += gross_findings(checked.fitted, angles=angles)
         scales = [] if found else list(torque_scale(checked))
         if not found:
@@ -115,16 +113,6 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         yield from impossible_leg(checked)
         yield from negative_friction(checked)
     yield from large_residuals(checked, doubted=broken or any(finding.severity != "info" for finding in found))
-
-
-def _fits_poorly(checked: CheckedFit) -> bool:
-    """Whether some joint keeps a large residual with friction of any form: other readings take much longer to try."""
-    evidence, (columns, _, always) = checked.evidence, library(checked.fitted.model, checked.fitted.arms)
-    if not (checked.nrmse > POOR).any():
-        return False
-    friction = [k for k, column in enumerate(columns) if column.kind.startswith("friction")]
-    fitted = np.append(evidence.free, len(evidence.fixed) + np.array((*always, *friction), dtype=np.intp))
-    return bool((evidence.weights(fitted) * checked.spread < 1.0 / POOR)[checked.spread > 0.0].any())
 
 
 def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]) -> tuple[list[Finding], bool]:

@@ -15,7 +15,7 @@ from exoid.estimate.finding import Finding
 from exoid.signals import Poses, Recording
 
 from .factors import driven_joints, fit_torques, torque_factors
-from .sample import FittedLeg
+from .sample import FittedLeg, some_samples
 
 POOR = 0.2  # other readings of the log are worth trying where the model leaves so large a part of a torque
 FITS_BETTER, CLEARLY = 1.6, 1.1
@@ -80,7 +80,7 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
 
 def gross_findings(fitted: FittedLeg, *, angles: bool) -> tuple[Finding, ...]:
     """Try other signs, orders of joints and units, also of angles; report the one that fits by far better."""
-    trial = fitted._replace(data=_shortened(fitted.data))
+    trial = fitted._replace(data=some_samples(fitted.model, fitted.data, 12_000))  # gross faults show in few
     try:
         as_logged = torque_factors(trial, trial.data)
         reference, _ = fit_torques(trial, as_logged)
@@ -140,16 +140,3 @@ def _angles_of(reading: Reading, one: Recording | Poses) -> Recording | Poses:
     every = ("q",) if isinstance(one, Poses) else ("q", "v", "a")
     changed = {name: x[:, order] * factors for name in every if (x := getattr(one, name)) is not None}
     return replace(one, **changed)
-
-
-def _shortened(data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
-    """Take the first recordings, up to 12 000 samples: gross faults show in few."""
-    kept: list[Recording | Poses] = []
-    left = enough = 12_000
-    for one in data:
-        if left <= 0:
-            break
-        cut = len(one) > left and isinstance(one, Recording) and one.mask is None and left >= enough // 4
-        kept.append(one.slice(0, left) if cut and isinstance(one, Recording) else one)
-        left -= len(one)
-    return tuple(kept)

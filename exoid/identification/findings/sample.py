@@ -58,9 +58,11 @@ class FittedLeg(NamedTuple):
         return min((x.time[0] for x in same), default=0.0)  # poses have no time
 
 
-def some_samples(model: TorqueModel, data: Sequence[Recording | Poses]) -> tuple[Recording | Poses, ...]:
-    """Take at most 60 000 samples, in segments of 6 000 spread evenly: more would find no smaller faults."""
-    most, segment = 60_000, 6_000
+def some_samples(
+    model: TorqueModel, data: Sequence[Recording | Poses], most: int = 60_000
+) -> tuple[Recording | Poses, ...]:
+    """Take at most so many samples, in segments of 6 000 spread evenly: more would find no smaller faults."""
+    segment = 6_000
     if sum(len(one) for one in data) <= most:
         chosen = list(data)
     else:

@@ -147,10 +147,9 @@ def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> li
         again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN or _is_late(score) else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
             columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
-            if kind == "two-clocks" and (
-                beside.evidence.torque_shares(columns, again.delta[:, None])[0] < 0.005  # as friction that drifts does
-                or constant > 0.8 * again.evidence  # a motion that becomes faster shows a short delay ever more
-            ):
+            share = beside.evidence.torque_shares(columns, again.delta[:, None])[0]
+            # Friction that drifts does so, too. A motion that becomes faster shows a short delay ever more.
+            if kind == "two-clocks" and (share < 0.005 or constant > 0.8 * again.evidence):
                 continue
             likely.append(again)
     # straps and cross-talk of many columns imitate a late torque, or one out of scale, which one number explains
