@@ -81,6 +81,15 @@ def test_weights_are_the_residuals_of_each_joint(rows, swing):
     np.testing.assert_allclose(solution.covariance, covariance, rtol=1e-7, atol=1e-12)
 
 
+def test_a_joint_of_small_torques_is_not_sacrificed():
+    """The model lacks most of a large torque, which looks like a parameter of the small one."""
+    x, y, noise = np.random.default_rng(3).standard_normal((3, 400))
+    large = np.column_stack([1000.0 * x, 0.3 * y, 1000.0 * x + 0.3 * 2.0 * y + 1000.0 * y])
+    small = np.column_stack([x, y, x + 2.0 * y + 1e-3 * noise])
+    triangles = [RFactor(np.linalg.qr(rows, mode="r"), 400, 400.0) for rows in (large, small)]
+    assert wls(Reduced(triangles, ("J1", "J2"))).solution.values == pytest.approx([1.0, 2.0], abs=1e-3)
+
+
 def test_units_of_the_parameters_do_not_matter():
     """A column a million times larger gives a value a million times smaller, to the last digits."""
     rng = np.random.default_rng(5)

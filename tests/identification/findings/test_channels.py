@@ -27,6 +27,13 @@ def test_a_peak_of_a_quantised_signal_is_no_rail():
     assert "saturation" not in kinds(exoid.check(leg, smooth))
 
 
+def test_peaks_of_a_joint_that_rings_are_no_spikes():
+    leg, log = clean()
+    size, t = 8.0 * log.tau[:, 1].std(), log.time[:, None] - log.time[200:-200:300]
+    jerks = size * (np.exp(-15.0 * np.abs(t)) * np.cos(60.0 * t)).sum(axis=1)
+    assert "spikes" not in kinds(exoid.check(leg, with_column(log, "tau", 1, lambda x: x + jerks)))
+
+
 def test_a_joint_that_comes_to_rest_is_not_stuck():
     leg, log = clean()
 
