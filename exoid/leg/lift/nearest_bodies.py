@@ -168,8 +168,7 @@ def approach(
     enough: float = 0.0,
 ) -> Bodies:
     """Find the bodies whose values are nearest to the target in a metric, or those of least χ²/2 + w D."""
-    # Where some bodies within a distance are enough, the nearest need not be exact, either
-    U, gap = problem.prior, 0.1 if enough else GAP
+    U, gap = problem.prior, 0.1 if enough else GAP  # where others are enough, the nearest need not be exact
     chi_squared = _chi_squared(problem, target, metric, U)
     mu = max(chi_squared, 10.0 * pull)
     while mu > pull if pull else (4 * problem.links + heaviest.sum()) * mu > max(gap * chi_squared, NEGLIGIBLE):
