@@ -3,6 +3,7 @@
     python scripts/study_stance.py                       # 16 seeds, about ten minutes on two cores
     python scripts/study_stance.py --seeds 2 --jobs 1
     python scripts/study_stance.py --walk                # the walk alone, with the true friction and rotors: a minute
+    python scripts/study_stance.py --walkers             # walkers drawn by seeds from 1000 on, on five kinds of ground
 
 Each seed is one `exoid reproduce stance`: other motions, noise and bias of the IMU. Errors are the 95 % quantile over
 the seeds of the largest one of a seed; coverage is that of 95 % intervals of all parameters.
@@ -11,17 +12,29 @@ the seeds of the largest one of a seed; coverage is that of 95 % intervals of al
 from __future__ import annotations
 
 import argparse
+import re
 import warnings
+import xml.etree.ElementTree as ET
+from collections import Counter
+from dataclasses import replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
+import scipy
 from joblib import Parallel, delayed
 
-from exoid import identify, load_leg
-from exoid.experiments.ground import bleex_machine, walking
+from exoid import BaseMotion, ExoidError, Leg, Recording, ground_forces, identify, load_exo, load_leg
+from exoid.estimate.ground_prediction import level_wrench
+from exoid.experiments.ground import Stance, bleex_machine, single_support, stance_motion, swing, walking
+from exoid.experiments.ground.machines import RESISTANCES
+from exoid.experiments.ground.planned_motion import follow
+from exoid.experiments.ground.stance import GAINS, HAND_RAIL
 from exoid.lab.reproduce import StanceExtent, reproduce_stance
 from exoid.lab.reproduce.stance import SIDES, TERMS, WALKING, StanceReplay, relative_error, swinging_leg, true_values
+from exoid.lab.reproduce.stance_logs import FORCE_BIAS, GYRO_BIAS, SENSORS
 from exoid.lab.reproduce.stance_report import walk_error
+from exoid.rig.ground import GroundPlant, GroundRun, Sole, mujoco_model
 
 LIMITS = {
     "no plates: M [%]": 0.5,
@@ -100,17 +113,165 @@ def one_walk(seed: int, seconds: float) -> dict[str, float]:
     return {f"swing rows of a walk: {symbol} [%]": 100.0 * value for symbol, value in largest.items()}
 
 
+GROUNDS = ("level", "leans", "rocks", "soft", "slides")
+"""Grounds of the walkers, by turns of seeds. One leans by up to 3°; ridges under soles lift heel or toe 2 to 6 mm."""
+
+WAYS = {"neither": (False, False), "plates": (True, False), "IMU": (False, True), "both": (True, True)}
+"""Sensors on the ground: force plates, and an IMU with a bias. The swing before has its IMU in all of them."""
+
+
+class Walked(NamedTuple):
+    """What was found of one walker with some sensors."""
+
+    errors: np.ndarray  # relative errors of M, X and J, without the torso's, (K,)
+    inside: np.ndarray  # whether M, X and J are within their 95 % intervals
+    deviations: np.ndarray  # errors over standard deviations
+    force: float  # share of samples of an unseen squat whose vertical forces are within their 95 % band
+    findings: frozenset[str]  # kinds of warnings and errors
+
+
+def draw_walker(seed: int) -> tuple[str, GroundPlant, float]:
+    """Draw a walker and its ground: legs unequal, hips apart, masses ±30 %. Its contacts' time constant is the last."""
+    rng, kind = np.random.default_rng(seed), GROUNDS[seed % len(GROUNDS)]
+    tree = ET.fromstring(re.sub(r"<\?xml.*?\?>", "", load_exo("bleex").description.text))
+    for joint in tree.iter("joint"):
+        origin = joint.find("origin")
+        if origin is None or joint.get("type") == "fixed":
+            continue
+        place = np.array(origin.get("xyz", "").split(), dtype=float)
+        hip, limit = joint.get("name", "").endswith("hip"), joint.find("limit")
+        if limit is not None and joint.get("name", "").endswith("ankle"):
+            limit.set("lower", "-1.1"), limit.set("upper", "1.1")  # a short leg on a slope bends its ankle far
+        place = place + rng.uniform(-0.03, 0.03, 3) * [1.0, 0.0, 0.7] if hip else place * rng.uniform(0.97, 1.05)
+        origin.set("xyz", " ".join(map(repr, place.tolist())))
+    for body in tree.iter("inertial"):
+        mass, inertia, (factor, turn) = body.find("mass"), body.find("inertia"), rng.uniform(0.7, 1.3, 2)
+        mass.set("value", str(factor * float(mass.get("value"))))
+        for name in tuple(inertia.attrib):
+            inertia.set(name, str(factor * (0.6 + 0.4 * turn) * float(inertia.get(name))))
+    text = ET.tostring(tree, encoding="unicode")
+    leg = Leg.from_description(replace(load_exo("bleex").description, text=text), base="floating")
+    values = {
+        f"{symbol}_{label}": each[k % 3] * rng.uniform(0.5, 1.5)
+        for symbol, each in RESISTANCES.items()
+        for k, label in enumerate(leg.joint_labels)
+    }
+    soles = {}
+    for side, y in (("left", -0.1), ("right", 0.1)):
+        points = Sole.flat(-0.075, 0.13, -0.115, side=y).points
+        lower = np.array([[0.03, y, -0.115 - rng.uniform(0.001, 0.003)]])
+        soles[f"{side}_foot"] = Sole(np.vstack([points, lower]) if kind == "rocks" else points)
+    lean, soft, friction = np.deg2rad(rng.uniform(-3.0, 3.0)), rng.uniform(0.02, 0.08), rng.uniform(0.022, 0.05)
+    plant = GroundPlant.build(leg, soles, values, ground_friction=friction if kind == "slides" else 0.8)
+    return kind, replace(plant, ground_lean=lean if kind == "leans" else 0.0), soft if kind == "soft" else 0.015
+
+
+def walker_runs(seed: int, seconds: float) -> tuple[str, GroundPlant, list[GroundRun]]:
+    """Let a walker squat, stand on each foot, swing in a stand, and squat once more, unseen by identification."""
+    kind, plant, contact = draw_walker(seed)
+    mujoco_model.SOLE_SOLREF = [contact, 1.0]
+    rest = replace(plant, ground_lean=0.0)
+    firm = replace(plant, ground_friction=0.8)  # on one foot nobody stands on ice
+    one_foot = Stance(height=0.875, squat=0.03, shift=0.01, bow=0.05, swing=0.15)
+    both, rail = Stance(height=0.85), HAND_RAIL if kind == "rocks" else None  # no foot that rocks balances
+    squats, unseen = (
+        follow(plant, stance_motion(plant, duration, stance=both, seed=10 * seed + k), GAINS, spring=rail)
+        for k, duration in ((0, seconds), (4, 0.5 * seconds))
+    )
+    feet = [single_support(firm, seconds, stance=one_foot, standing=k, seed=10 * seed + 1 + k) for k in range(2)]
+    return kind, plant, [squats, *feet, swing(rest, seconds, scale=0.85, seed=10 * seed + 3), unseen]
+
+
+def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]:
+    """Identify a walker with each set of sensors; what was said where that is refused."""
+    warnings.simplefilter("ignore")
+    kind, plant, runs = walker_runs(seed, seconds)
+    truth, found = true_values(plant), dict[str, Walked | str]()
+    bias = np.repeat([GYRO_BIAS, FORCE_BIAS], 3) * np.random.default_rng([seed, 99]).standard_normal(6)
+
+    def log(number: int, *, plates: bool, imu: bool) -> Recording:
+        links = [link for link in runs[number].wrenches if link == "torso" or plates]
+        read = runs[number].recording(SENSORS, np.random.default_rng([seed, number]), wrenches=links)
+        base = read.base
+        moved = BaseMotion(base.angular_velocity + bias[:3], base.specific_force + bias[3:], base.position)
+        return replace(read, base=moved if imu else None)
+
+    for way, (plates, imu) in WAYS.items():
+        try:
+            logs = [*(log(k, plates=plates, imu=imu) for k in range(3)), log(3, plates=plates, imu=True)]
+            estimate = identify(plant.leg, logs, TERMS)
+            forces = ground_forces(estimate, log(4, plates=False, imu=imu))
+        except ExoidError as error:
+            found[way] = str(error)
+            continue
+        chosen = [k for k, name in enumerate(estimate.names) if name[0] in "MXJ" and name not in ("X0", "J0")]
+        true = np.array([truth[name] for name in estimate.names])
+        low, high = estimate.interval(0.95).T
+        inside = []
+        for link, force in forces.items():
+            rows = np.searchsorted(runs[4].time, force.time)
+            real = level_wrench(plant.leg, runs[4].q, link, runs[4].wrench(link), rows)
+            inside.append(np.abs(force.force - real.force)[:, 2] <= force.force_half[:, 2])
+        found[way] = Walked(
+            errors=np.abs(estimate.values / true - 1.0)[chosen],
+            inside=((low <= true) & (true <= high))[chosen],
+            deviations=((estimate.values - true) / estimate.std)[chosen],
+            force=float(np.mean(np.concatenate(inside))),
+            findings=frozenset(one.kind for one in estimate.findings if one.severity != "info"),
+        )
+    return kind, found
+
+
+def print_walkers(every: list[tuple[str, dict[str, Walked | str]]]) -> None:
+    """Print a line for each ground and set of sensors, and the paired comparison of sensors."""
+    print("ground sensors  walkers   error  largest    XJM   rms  force  findings")
+    for kind in GROUNDS:
+        for way in WAYS:
+            told = [found[way] for ground, found in every if ground == kind]
+            known = [one for one in told if isinstance(one, Walked)]
+            for one in told:
+                if isinstance(one, str):
+                    print(f"{kind:7}{way:9} refused: {one}")
+            if not known:
+                continue
+            errors, inside, std = (np.concatenate([one[k] for one in known]) for k in range(3))
+            named = Counter(name for one in known for name in one.findings)
+            print(
+                f"{kind:7}{way:9}{len(known):7}{100 * np.median(errors):8.2f}{100 * errors.max():9.2f}"
+                f"{100 * inside.mean():7.1f}{np.sqrt(np.mean(std**2)):6.2f}"
+                f"{100 * np.mean([one.force for one in known]):7.1f}  "
+                + ", ".join(f"{name} {count}" for name, count in sorted(named.items())),
+            )
+    for less, more in (("neither", "plates"), ("neither", "IMU"), ("plates", "both"), ("IMU", "both")):
+        pairs = [
+            [np.sqrt(np.mean(found[way].errors ** 2)) for way in (less, more)]
+            for _, found in every
+            if isinstance(found[less], Walked) and isinstance(found[more], Walked)
+        ]
+        ratio = np.array([after / before for before, after in pairs])
+        worse = scipy.stats.wilcoxon(np.log(ratio), alternative="greater").pvalue
+        print(
+            f"{more} beside {less}: error x {np.exp(np.mean(np.log(ratio))):.3f} (geometric mean), worse in "
+            f"{np.sum(ratio > 1.0)} of {len(ratio)}, largest x {ratio.max():.2f}; p of worse {worse:.3f} (Wilcoxon)"
+        )
+
+
 def main() -> None:
     """Read the options and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=16)
-    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--first", type=int, help="first seed; default 0, of walkers 1000")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=15.0, help="of each log of swing and stance")
     parser.add_argument("--walking", type=float, default=80.0, help="seconds of the walk")
     parser.add_argument("--walk", action="store_true", help="only the walk, with known friction and rotors")
+    parser.add_argument("--walkers", action="store_true", help="drawn walkers, on five kinds of ground")
     options = parser.parse_args()
-    seeds = range(options.first, options.first + options.seeds)
+    first = (1000 if options.walkers else 0) if options.first is None else options.first
+    seeds = range(first, first + options.seeds)
+    if options.walkers:
+        work = (delayed(one_walker)(seed, options.seconds) for seed in seeds)
+        return print_walkers(Parallel(n_jobs=options.jobs)(work))
     if options.walk:
         tasks = [delayed(one_walk)(seed, options.walking) for seed in seeds]
     else:

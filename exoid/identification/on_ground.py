@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.link_frames import link_frame
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.base_checks import flies
@@ -28,20 +29,24 @@ from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
+from .row_changes import FORCE, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
+STEEPEST = np.deg2rad(10.0)  # a lean from which on torques are not asked once more: they, or the model, are wrong
 MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
 
 
-def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
+def fit_on_ground(
+    problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool, lean: FloatArray | None = None
+) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
     # Where feet carry a base that was not measured, the compliance of their soles is found, too; where no rest told the
     # bias of its sensor, this bias. What they explain hides no outliers then, which are looked for once more.
-    problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
+    given, lean = problem, np.zeros(3) if lean is None else lean
+    problem = on_ground(problem, estimator, by_noise=by_noise, check=check, lean=lean)
     try:
         problem = without_outliers(fit_linear(problem, huber))
     except ExoidError as error:
@@ -50,9 +55,11 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
         raise
     fitted = fit_linear(problem, estimator)
     found = find_footing(fitted)
-    if found is None:
+    if found is not None and found.leans is not None and np.linalg.norm(lean) < STEEPEST:
+        return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + found.leans)
+    if found is None or found.level is not None:
         fitted = fitted._replace(findings=tuple(contact_offsets(fitted)) if check else ())
-        return _suspended(fitted, estimator)
+        return _suspended(fitted if found is None else _leaning(fitted, found, lean), estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
     footing = find_footing(fit_linear(problem, estimator), found) or found
@@ -61,6 +68,25 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     doubt = slopes @ footing.found.spread @ slopes.T
     findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
     return fitted._replace(findings=findings, doubt=doubt)
+
+
+def _leaning(fitted: Fitted, footing: Footing, lean: FloatArray) -> Fitted:
+    """Allow for how well torques say how the ground leans under feet that told the bias of the sensor."""
+    left, slopes = footing.found.values, footing.found.slopes
+    doubt = slopes @ (footing.found.covariance + np.outer(left, left)) @ slopes.T
+    if not lean.any():
+        return fitted._replace(doubt=doubt)
+    angle, half = np.rad2deg(
+        [np.linalg.norm(lean), 2.0 * FORCE / GRAVITY * np.sqrt(np.trace(footing.found.covariance))]
+    )
+    text = (
+        f"the bias of the base's sensor follows from feet that rest. By the torques, the ground under them leans by "
+        f"{angle:.2g} ± {half:.2g}°, which was taken into account"
+    )
+    remedy = "level the ground, check the zeros of the angles, or calibrate the sensor"
+    severity: Severity = "warning" if angle - half > np.rad2deg(2.0 * LEVEL) else "info"
+    finding = Finding("base-from-feet", "", float(angle), "°", severity, text, remedy, (angle - half, angle + half))
+    return fitted._replace(doubt=doubt, findings=(*fitted.findings, finding))
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -98,18 +124,20 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     return fitted._replace(findings=(*fitted.findings, finding), doubt=np.outer(moved, moved))
 
 
-def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
+def on_ground(
+    problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool, lean: ArrayLike = (0.0, 0.0, 0.0)
+) -> Problem:
     """Split the recordings of each group by the links that rest on the ground with an unknown wrench."""
     if getattr(estimator, "fits_samples", False):
         raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber or ols")
     if any(term.loaded for term in problem.terms):
         raise NotSupportedError("terms beside a ground are linear in their parameters", remedy="leave LoadFriction out")
-    groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check)]
+    groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check, lean=lean)]
     share = 1.0 / len(groups)
     return replace(problem, groups=tuple(replace(group, memory_share=share) for group in groups))
 
 
-def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
+def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> list[Group]:
     """Make a group of the recordings of each set of links, the first of which has the findings of all."""
     model = group.model
     if group.actuators is not None and unknown_constants(group.actuators):
@@ -124,13 +152,13 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
-    every = [split(model.leg, one, smears) for one in data]
+    every = [split(model.leg, one, smears, lean=lean) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None]
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
         biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
-        parts = split(model.leg, one, smears, session) if biased and session is not None else own
+        parts = split(model.leg, one, smears, session, lean) if biased and session is not None else own
         findings += _left_out(parts, one)
         errors = session if biased else own.imu
         when = "by another recording of the session" if biased else "while a foot rested"

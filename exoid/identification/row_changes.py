@@ -16,6 +16,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.leg.link_frames import held_directions, link_frame
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
@@ -58,6 +59,7 @@ class Footing(NamedTuple):
     sensor: FloatArray  # biases of angular velocity and specific force, each of the size that sensors have, (B, 6)
     # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases
     found: RowChanges
+    level: FloatArray | None = None  # level axes, where feet told the biases as if on level ground, (L, 3)
 
     @property
     def compliance(self) -> dict[str, float]:
@@ -77,6 +79,12 @@ class Footing(NamedTuple):
         std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
         return ImuErrors(bias[:3], bias[3:], std)
 
+    @property
+    def leans(self) -> FloatArray | None:
+        """Lean of the ground that torques say beside the biases that feet told, a rotation vector [rad], (3,)."""
+        c, std = self.found.values, np.sqrt(np.diag(self.found.covariance))
+        return FORCE / GRAVITY * c @ self.level if self.level is not None and (np.abs(c) > 4.0 * std).any() else None
+
     def plus(self, index: int, step: float) -> Footing:
         """Change one of the numbers."""
         step_along = step * np.eye(len(self.found.values))[index]
@@ -84,22 +92,27 @@ class Footing(NamedTuple):
 
 
 def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None:
-    """Find the compliance θ = c τ of soles and the lean of the ground, or the bias of a sensor that no rest told."""
+    """Find the compliance θ = c τ of soles and the lean of the ground, or what rest did not tell of a sensor's bias."""
     problem = fitted.problem
     data = [one for group in problem.groups for one in group.data if isinstance(one, Recording)]
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
     leg = fitted.models[0].leg
-    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
+    rested = any(one.kind in ("imu-bias", "imu-unchecked") for group in problem.groups for one in group.findings)
+    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data) and not (rested and links)
     if not links and not biased:
         return None
     forward, lateral, up = leg.plane
     turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
     axes, sensor = (turns[:2] if links else turns[:0]), scipy.linalg.block_diag(GYRO * turns, FORCE * pushes)
+    level = turns[:2] if rested and biased else None
+    if level is not None:  # the ground that leans turns gravity
+        sensor = FORCE * np.hstack([np.zeros_like(level), np.cross(level, up)])
     counts = len(links), len(axes), len(sensor) if biased else 0
     # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
     steps, prior = (np.repeat([c, LEVEL, 1.0], counts) for c in (SOFT, 1e-4))
     none = np.zeros(len(steps))
-    about = about or Footing(links, axes, sensor[: counts[2]], RowChanges(none, np.diag(none), none, np.diag(none)))
+    nothing = RowChanges(none, np.diag(none), none, np.diag(none))
+    about = about or Footing(links, axes, sensor[: counts[2]], nothing, level)
     start = about.found.values
     others = [tilted(problem, about.plus(k, step), about) for k, step in enumerate(steps.tolist())]
     found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start)

@@ -39,7 +39,8 @@ def rows_of(settings: Settings, state: State, samples: FloatArray) -> tuple[Rows
     given = ~np.isnan(samples[0, [n, 2 * n]])
     samples = np.concatenate([state.motion, np.nan_to_num(samples)])
     smooth, first, second = settings.smoothing
-    q, v, a, tau, marks = np.split(smooth @ samples, 5, axis=1)
+    q, v, a, tau, _ = np.split(smooth @ samples, 5, axis=1)
+    marks = np.abs(smooth) @ samples[:, 4 * n :]  # weights of either sign must not cancel marks
     if not given[0]:
         v = first @ samples[:, :n]
     if not given[1]:

@@ -94,6 +94,19 @@ def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
     return np.asarray(np.maximum(settings.filter_inflation, 1.0 + 2.0 * (np.minimum(rho, 1.0) * believed).sum(axis=0)))
 
 
+def repeats(correlation: Correlation, rows: FloatArray) -> FloatArray:
+    """Factor by which errors that repeat in each stride widen the variance of each joint's rows, (n,)."""
+    # A share r of the variance that repeats every k rows does not average out: N rows hold N/k times the same errors.
+    # r is the largest ρ beyond the first that is negative. Below 0.2 it may be chance among as many lags.
+    sums, counts = correlation.sums, np.maximum(correlation.counts, 1.0)
+    rho = np.divide(sums / counts, sums[0] / counts[0], out=np.zeros_like(sums), where=sums[0] > 0.0)
+    later = np.cumsum(rho < 0.0, axis=0) > 0
+    rho = np.where(later & (counts >= 200.0), rho, 0.0)
+    lag = np.maximum(rho.argmax(axis=0), 1)
+    share = np.where(rho.max(axis=0) > 0.2, np.minimum(rho.max(axis=0), 1.0), 0.0)
+    return np.asarray(1.0 + share * np.maximum(rows[: len(share)] / lag - 1.0, 0.0))
+
+
 def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...]) -> Estimate:
     """Make the estimate of a state."""
     # The covariance is A⁻¹ (Σ_j w_j⁴ s_j² c_j A_j) A⁻¹ with A = Σ_j w_j² A_j: the noise of joint j has the size s_j,
@@ -119,6 +132,7 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
     solution = solve(stack(factors, own.tolist()), model.names)
     rms = rms_of(solution.values)
+    inflation = inflation * repeats(state.correlation, rows)
     noise = np.append(weights**4 * rms**2 * inflation, own[-1] ** 4)
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
@@ -44,14 +44,16 @@ class ImuErrors(NamedTuple):
         return BaseMotion(omega, force, base.position, base.pose, calibrated=True)
 
 
-def imu_errors(leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]]) -> ImuErrors | None:
+def imu_errors(
+    leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]], lean: ArrayLike = (0.0, 0.0, 0.0)
+) -> ImuErrors | None:
     """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground."""
     # Readings are ω' = ω + b_ω and f' = f + b_f with biases b. A foot that rolls over heel or toe turns against the
     # gyroscope.
     base = recording.base
     if base is None or base.calibrated:
         return None
-    parts = [_compare(leg, recording, base, link, flags) for link, flags in resting.items() if flags.any()]
+    parts = [_compare(leg, recording, base, link, flags, lean) for link, flags in resting.items() if flags.any()]
     rests = [rest for part in parts for rest in _single(part)]
     if sum(len(rest.of_gyro) for rest in rests) < LEAST * recording.sample_rate:
         return None
@@ -88,9 +90,11 @@ def _single(flat: _Flat) -> list[_Flat]:
     return [_Flat(*arrays) for arrays in each if len(arrays[0])]
 
 
-def _compare(leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_]) -> _Flat:
+def _compare(
+    leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_], lean: ArrayLike
+) -> _Flat:
     """Compare readings with the motion that a foot says, where it is flat."""
-    (omega, force), rate = standing_reading(leg, recording, link, base.position), recording.sample_rate
+    (omega, force), rate = standing_reading(leg, recording, link, base.position, lean), recording.sample_rate
     aside, flat = (base.angular_velocity - omega, base.specific_force - force), flags
     # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
     for difference, width in zip(aside, (TURNING, DISAGREEMENT), strict=True):

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
@@ -85,7 +85,11 @@ class Split(NamedTuple):
 
 
 def split(
-    leg: Leg, recording: Recording, preparation: Preparation | None = None, session: ImuErrors | None = None
+    leg: Leg,
+    recording: Recording,
+    preparation: Preparation | None = None,
+    session: ImuErrors | None = None,
+    lean: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
@@ -95,6 +99,7 @@ def split(
         preparation: Preparation of the rows, whose filter of the angles smears jolts; None for the default one.
         session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
             another recording of the session.
+        lean: Lean of the ground on which feet rest that tell these errors, a rotation vector [rad].
 
     Returns:
         One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
@@ -125,7 +130,7 @@ def split(
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    recording, imu, slip = _without_bias(leg, recording, soles, session)
+    recording, imu, slip = _without_bias(leg, recording, soles, session, lean)
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
@@ -173,16 +178,17 @@ def split(
 
 
 def _without_bias(
-    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None
+    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, lean: ArrayLike
 ) -> tuple[Recording, ImuErrors | None, Slip]:
     """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
     recording, slip = raw, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
-        imu = imu_errors(leg, raw, rests) if leg.base_rows else None
+        imu = imu_errors(leg, raw, rests, lean) if leg.base_rows else None
         errors = imu or session
         if errors is not None and raw.base is not None and not raw.base.calibrated:
-            recording = replace(raw, base=errors.corrected(raw.base))
+            told = bool(errors.gyro_bias.any() or errors.force_bias.any())  # of level ground: torques may say otherwise
+            recording = replace(raw, base=replace(errors.corrected(raw.base), calibrated=not told))
         if recording.base is not None and leg.base_rows and recording.contacts:
             slip = sliding(leg, recording, recording.base, soles)
         if not slip.slides.any():
