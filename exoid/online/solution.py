@@ -12,7 +12,16 @@ from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
 from exoid.regression.diagnostics import parameter_scale
-from exoid.regression.least_squares import ROUNDING, TINY, RFactor, scaled_lstsq, solve, stack
+from exoid.regression.least_squares import (
+    RANK,
+    ROUNDING,
+    TINY,
+    RFactor,
+    Solution,
+    scaled_lstsq,
+    solve,
+    stack,
+)
 from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
@@ -130,7 +139,16 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
     first = state.values if R[-1].any() else solve(stack(factors), model.names).values
     weights = 1.0 / rms_of(first)
     own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
-    solution = solve(stack(factors, own.tolist()), model.names)
+    try:
+        solution = solve(stack(factors, own.tolist()), model.names)
+    except NotIdentifiableError:
+        # What was given up is known 1e5 times worse: no rank is left of it beside the rows of a joint that weighs more
+        both = stack(factors, own.tolist()).R
+        inverse = inverse_of(both) if R[-1].any() else None
+        if inverse is None:
+            raise
+        A = inverse @ inverse.T
+        solution = Solution(inverse @ both[:-1, -1], A, 1.0 / RANK, samples.sum() - len(A), A, np.zeros_like(A))
     rms = rms_of(solution.values)
     inflation = inflation * repeats(state.correlation, rows)
     noise = np.append(weights**4 * rms**2 * inflation, own[-1] ** 4)

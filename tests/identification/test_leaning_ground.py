@@ -29,10 +29,10 @@ def runs(exo, lean, seed):
     return [both, left, mirrored(other)]
 
 
-def with_imu(log, seed):
+def with_imu(log, seed, noise=1.0):
     rng = np.random.default_rng(seed)
-    gyro = log.base.angular_velocity + 0.005 * rng.standard_normal((len(log.base), 3)) + (0.0, 0.01, 0.0)
-    force = log.base.specific_force + 0.05 * rng.standard_normal((len(log.base), 3)) + (0.1, 0.0, 0.15)
+    gyro = log.base.angular_velocity + 0.005 * noise * rng.standard_normal((len(log.base), 3)) + (0.0, 0.01, 0.0)
+    force = log.base.specific_force + 0.05 * noise * rng.standard_normal((len(log.base), 3)) + (0.1, 0.0, 0.15)
     return replace(log.recording, base=BaseMotion(gyro, force))
 
 
@@ -66,6 +66,26 @@ def test_feet_on_ground_that_leans_are_no_bias_of_an_imu(exo, degrees):
     np.testing.assert_allclose(biases, np.hypot(0.1, 0.15), atol=0.01)
     leans = [one for one in estimate.findings if one.kind == "base-from-feet"]
     assert [(one.severity, round(one.value, 1)) for one in leans] == ([("warning", 3.0)] if degrees else [])
+
+
+def thrice(time):
+    """Angle of a foot that stands level, then tips onto its toe, then onto its heel [rad]."""
+    return 0.0052 * (np.tanh((time - 4.0) / 0.05) - 2.0 * np.tanh((time - 8.0) / 0.05) - 1.0)
+
+
+def test_rests_that_differ_leave_a_bias_unchecked(exo):
+    """The foot stands thrice, each time otherwise by 10 mrad: the bias is known to 0.06 m/s² and no better."""
+    whole, left, right = runs(exo, 0.0, 1001)
+    options = {"noise": 0.4, "encoder": 1e-5, "friction": friction}
+    turns = standing(exo, "left", seconds=12.0, seed=5, sole=thrice, **options)
+    moves = (np.abs(turns.recording.time[:, None] - (4.0, 8.0)) < 0.4).any(axis=1)
+    unrested = replace(with_imu(turns, 1, noise=0.1), mask=~moves, contacts={"left_foot": ~moves})
+    estimate = exoid.identify(exo, [unrested, *(with_imu(log, 2) for log in (whole, left, right))], TERMS, check=False)
+    (finding, *others) = (one for one in estimate.findings if one.kind == "imu-unchecked")
+    assert not others
+    assert finding.severity == "warning"
+    assert 0.1 < finding.value < 0.3
+    assert {"M", "X1_left"} <= set(finding.parameters)
 
 
 @pytest.mark.slow

@@ -244,6 +244,24 @@ def test_more_columns_than_any_robot_has_are_refused(kind, tmp_path):
     refused(path, "10001 columns, more than 10000")
 
 
+@pytest.mark.slow
+@linux
+def test_a_sparse_csv_of_3_gb_is_refused_in_300_mb(tmp_path):
+    path = tmp_path / "log.csv"
+    with path.open("w") as file:
+        file.write("time,q_hip,tau_hip\n" + "".join(f"{k / 100},{k / 1000},1.0\n" for k in range(100)))
+        file.truncate(3 * 10**9)
+    code = (
+        "import exoid, resource, sys\ntry:\n    exoid.Recording.from_file(sys.argv[1])\n"
+        "except exoid.ExoidError as error:\n"
+        "    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, error)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
+    memory, _, message = done.stdout.partition(" ")
+    assert message.startswith(str(path))
+    assert int(memory) < 300_000  # kB
+
+
 def test_blank_lines_and_comments_are_no_obstacle_and_count_as_lines(tmp_path):
     rows = "".join(f"{k / 10},0.5\r\r\n" for k in range(40))
     for end, wrong in (("", 0), ("x,0\r\r\n" + 300_000 * "\n", 83)):
