@@ -185,7 +185,10 @@ def walker_runs(seed: int, seconds: float) -> tuple[str, GroundPlant, list[Groun
 def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]:
     """Identify a walker with each set of sensors; what was said where that is refused."""
     warnings.simplefilter("ignore")
-    kind, plant, runs = walker_runs(seed, seconds)
+    try:
+        kind, plant, runs = walker_runs(seed, seconds)
+    except ExoidError as error:  # such as a foot that would swing into the ground
+        return draw_walker(seed)[0], dict.fromkeys(WAYS, str(error))
     truth, found = true_values(plant), dict[str, Walked | str]()
     bias = np.repeat([GYRO_BIAS, FORCE_BIAS], 3) * np.random.default_rng([seed, 99]).standard_normal(6)
 

@@ -34,6 +34,7 @@ from .row_changes import FORCE, Footing, contact_offsets, find_footing, residual
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
+ROCKS = 0.05  # feet of which one session tells biases that differ by so much [m/s²] rock by 5 mrad: torques tell it
 STEEPEST = np.deg2rad(10.0)  # a lean from which on torques are not asked once more: they, or the model, are wrong
 MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
@@ -155,6 +156,8 @@ def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> lis
     every = [split(model.leg, one, smears, lean=lean) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None]
+    if len(known) > 1 and np.std([errors.force_bias for errors in known], axis=0).max() > ROCKS:
+        every, known = [split(model.leg, one, smears, lean=None) for one in data], []
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
         biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
@@ -314,7 +317,7 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
     model, level = fitted.models[0], slice(len(footing.links), len(footing.links) + len(footing.axes))
     if len(footing.sensor):
-        when = "as no foot rests flat and still for a second in any recording, by all rows"
+        when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
         findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))
     if not footing.links:
         return findings

@@ -68,6 +68,22 @@ def test_feet_on_ground_that_leans_are_no_bias_of_an_imu(exo, degrees):
     assert [(one.severity, round(one.value, 1)) for one in leans] == ([("warning", 3.0)] if degrees else [])
 
 
+def test_feet_that_rock_tell_no_bias(exo):
+    """The foot leans by 10 mrad in each log, now forward and now back: torques tell the bias, which is one of all."""
+    measured = []
+    for k, lean in enumerate((0.01, -0.01)):
+        options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "sole": lambda t, lean=lean: lean + 0.0 * t}
+        log = standing(exo, "left", seconds=10.0, seed=30 + k, **options)
+        measured.append(with_imu(mirrored(log) if k else log, k))
+    whole = with_imu(standing(exo, "both", seconds=10.0, seed=32, noise=0.4, encoder=1e-4, friction=friction), 2)
+    estimate = exoid.identify(exo, [whole, *measured], TERMS, check=False)
+    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
+    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    (finding,) = (one for one in estimate.findings if one.kind == "imu-bias")
+    low, high = finding.interval
+    assert low < np.hypot(0.1, 0.15) < high
+
+
 def thrice(time):
     """Angle of a foot that stands level, then tips onto its toe, then onto its heel [rad]."""
     return 0.0052 * (np.tanh((time - 4.0) / 0.05) - 2.0 * np.tanh((time - 8.0) / 0.05) - 1.0)

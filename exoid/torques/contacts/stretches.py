@@ -89,7 +89,7 @@ def split(
     recording: Recording,
     preparation: Preparation | None = None,
     session: ImuErrors | None = None,
-    lean: ArrayLike = (0.0, 0.0, 0.0),
+    lean: ArrayLike | None = (0.0, 0.0, 0.0),
 ) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
@@ -99,7 +99,8 @@ def split(
         preparation: Preparation of the rows, whose filter of the angles smears jolts; None for the default one.
         session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
             another recording of the session.
-        lean: Lean of the ground on which feet rest that tell these errors, a rotation vector [rad].
+        lean: Lean of the ground on which feet rest that tell these errors, a rotation vector [rad]; None for feet that
+            tell nothing, as they rock.
 
     Returns:
         One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
@@ -178,13 +179,13 @@ def split(
 
 
 def _without_bias(
-    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, lean: ArrayLike
+    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, lean: ArrayLike | None
 ) -> tuple[Recording, ImuErrors | None, Slip]:
     """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
     recording, slip = raw, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
-        imu = imu_errors(leg, raw, rests, lean) if leg.base_rows else None
+        imu = imu_errors(leg, raw, rests, lean) if leg.base_rows and lean is not None else None
         errors = imu or session
         if errors is not None and raw.base is not None and not raw.base.calibrated:
             told = bool(errors.gyro_bias.any() or errors.force_bias.any())  # of level ground: torques may say otherwise
