@@ -12,16 +12,7 @@ from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import Finding
 from exoid.regression.diagnostics import parameter_scale
-from exoid.regression.least_squares import (
-    RANK,
-    ROUNDING,
-    TINY,
-    RFactor,
-    Solution,
-    scaled_lstsq,
-    solve,
-    stack,
-)
+from exoid.regression.least_squares import RANK, ROUNDING, TINY, RFactor, Solution, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
 
 from .settings import LAGS, Settings
