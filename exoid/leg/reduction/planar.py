@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from exoid._typing import ComplexArray, FloatArray
+from exoid._typing import FloatArray
 from exoid.tools.numbers import ROUNDED
 
 GRAVITY = 9.81
@@ -103,54 +103,38 @@ def fill_regressor(
     force: FloatArray | None = None,
 ) -> None:
     """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample, and forces on the hip for X and Y."""
-    work = np.empty((4 + chain.n, min(BLOCK, len(q))), dtype=np.complex128)  # once: fresh memory costs time
+    signs, offsets = chain.signs.tolist(), [complex(*offset) for offset in chain.offsets]
+    reserve = np.empty((4 + chain.n, min(BLOCK, len(q))), dtype=np.complex128)  # once: fresh memory costs time
     for start in range(0, len(q), BLOCK):
         rows = slice(start, start + BLOCK)
-        moved = None if torso is None else TorsoSamples(*(x[rows] for x in torso))
-        pull = None if force is None else force[..., rows]
-        block = work[:, : len(q) - start]
-        _fill_block(chain, q[rows].T, v[rows].T, a[rows].T, out[..., rows], cumulative, moved, pull, block)
-
-
-def _fill_block(
-    chain: PlanarChain,
-    q: FloatArray,
-    v: FloatArray,
-    a: FloatArray,
-    out: FloatArray,
-    cumulative: bool,
-    torso: TorsoSamples | None,
-    force: FloatArray | None,
-    work: ComplexArray,
-) -> None:
-    signs, offsets = chain.signs.tolist(), [complex(*offset) for offset in chain.offsets]
-    angle, rate, acceleration = np.zeros((3, q.shape[1])) if torso is None else np.array(torso[:3])  # φ_j and its rates
-    # i conj(p̈_j + i g), e^{iφ_j}, e^{iφ_j}(φ̈_j + i φ̇_j²), a part of the factor of h_j, and conj(d_k e^{iφ_k})
-    origin, direction, turn, moment, *levers = work
-    origin[:] = GRAVITY
-    if torso is not None:
-        origin += torso.hip_acceleration_z + 1j * torso.hip_acceleration_x
-    for j, sign in enumerate(signs):
-        for absolute, own in ((angle, q), (rate, v), (acceleration, a)):
-            np.add(absolute, sign * own[j], out=absolute)
-        cosine_and_sine(angle, out=(direction.real, direction.imag))
-        turn.real, turn.imag = acceleration, rate**2
-        np.multiply(turn, direction, out=turn)
-        np.multiply(direction, origin, out=moment)
-        X, Y, J = out[3 * j : 3 * j + 3]
-        X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
-        for k in range(j - 1, -1, -1):  # each joint above has the lever of one more segment
-            np.multiply(turn, levers[k], out=moment)
-            np.add(X[k + 1], moment.imag, out=X[k])
-            np.add(Y[k + 1], moment.real, out=Y[k])
-            J[k] = sign * a[j] if cumulative else acceleration
-        if force is not None:  # i h e^{iφ}(φ̈ + i φ̇²) of the mass moment h = Y − i X
-            force[3 * j], force[3 * j + 1] = (turn.real, turn.imag), (-turn.imag, turn.real)
-        if j + 1 < chain.n:
-            np.conjugate(np.multiply(direction, offsets[j], out=direction), out=levers[j])
-            origin += np.conjugate(np.multiply(turn, offsets[j], out=turn), out=turn)  # i d e^{iφ}(φ̈ + i φ̇²)
-    for joint in np.flatnonzero(chain.signs < 0.0):
-        out[3 * joint :, joint] *= -1.0
+        part, still = out[..., rows], np.zeros((3, len(q[rows])))
+        angle, rate, acceleration = still if torso is None else np.array([x[rows] for x in torso[:3]])  # φ_j, its rates
+        # i conj(p̈_j + i g), e^{iφ_j}, e^{iφ_j}(φ̈_j + i φ̇_j²), a part of the factor of h_j, and conj(d_k e^{iφ_k})
+        origin, direction, turn, moment, *levers = reserve[:, : len(q) - start]
+        origin[:] = GRAVITY
+        if torso is not None:
+            origin += torso.hip_acceleration_z[rows] + 1j * torso.hip_acceleration_x[rows]
+        for j, sign in enumerate(signs):
+            for absolute, own in ((angle, q), (rate, v), (acceleration, a)):
+                np.add(absolute, sign * own[rows, j], out=absolute)
+            cosine_and_sine(angle, out=(direction.real, direction.imag))
+            turn.real, turn.imag = acceleration, rate**2
+            np.multiply(turn, direction, out=turn)
+            np.multiply(direction, origin, out=moment)
+            X, Y, J = part[3 * j : 3 * j + 3]
+            X[j], Y[j], J[j] = moment.imag, moment.real, acceleration
+            for k in range(j - 1, -1, -1):  # each joint above has the lever of one more segment
+                np.multiply(turn, levers[k], out=moment)
+                np.add(X[k + 1], moment.imag, out=X[k])
+                np.add(Y[k + 1], moment.real, out=Y[k])
+                J[k] = sign * a[rows, j] if cumulative else acceleration
+            if force is not None:  # i h e^{iφ}(φ̈ + i φ̇²) of the mass moment h = Y − i X
+                force[3 * j, :, rows], force[3 * j + 1, :, rows] = (turn.real, turn.imag), (-turn.imag, turn.real)
+            if j + 1 < chain.n:
+                np.conjugate(np.multiply(direction, offsets[j], out=direction), out=levers[j])
+                origin += np.conjugate(np.multiply(turn, offsets[j], out=turn), out=turn)  # i d e^{iφ}(φ̈ + i φ̇²)
+        for joint in np.flatnonzero(chain.signs < 0.0):
+            part[3 * joint :, joint] *= -1.0
 
 
 def cosine_and_sine(angle: FloatArray, out: tuple[FloatArray, FloatArray]) -> None:
