@@ -219,7 +219,8 @@ def self_tuning(
     covariance[:count, :count] += payload_covariance(known.model.leg, payload)
     rubbing = np.flatnonzero(known.model.friction)
     covariance[rubbing, rubbing] += (friction * known.values[rubbing]) ** 2
-    settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5))  # what the rate can carry
+    # The cut-off is what the rate can carry. Noise of the angles costs the law more than a harmonic that is missing
+    settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5), flat=False)
     return SelfTuning(feedback, replace(known, covariance=covariance), settings)
 
 

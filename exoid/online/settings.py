@@ -35,6 +35,7 @@ class Settings:
     reversal_speed: float = 0.1
     torque_limits: ArrayLike | None = None
     false_alarms: float = 0.1
+    flat: bool = True  # whether the first filter keeps harmonics; a Gaussian lets less noise into the accelerations
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -106,8 +107,8 @@ class Settings:
         """First filter, from which velocity and acceleration come, and second one, of columns and torque."""
         # A first filter that took a tenth of a harmonic would bend products such as v², and with them the values
         assert self.cutoff is not None
-        widest = self.rate / (1.25 * _width(flat=True))
-        first = kernels(self.rate, min(2.0 * self.cutoff, widest), flat=True)
+        widest = self.rate / (1.25 * _width(flat=self.flat))
+        first = kernels(self.rate, min(2.0 * self.cutoff, widest), flat=self.flat)
         return first, kernels(self.rate, self.cutoff)[0]
 
     @cached_property
