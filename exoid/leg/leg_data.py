@@ -88,7 +88,7 @@ class LegData:
         """Names of the joints in the URDF, from the torso outwards."""
         return self.tree_joint_names if self.closure is None else self.closure.joint_names
 
-    @property
+    @cached_property
     def tree_joint_names(self) -> tuple[str, ...]:
         """Names of all moving joints, those that follow from closed loops included."""
         return tuple(self.model.names)[1:]
@@ -111,7 +111,9 @@ class LegData:
     @property
     def base_rows(self) -> int:
         """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
-        return len(self.row_names) - len(self.joint_names)
+        if self.base != "floating":
+            return 0
+        return len(FREE_ROWS if self.machine is None else PLANAR_ROWS)
 
     @property
     def row_names(self) -> tuple[str, ...]:
