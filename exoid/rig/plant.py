@@ -9,7 +9,6 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.closure import refuse_loops
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.tools.tables import DataTable, to_text, value_range
@@ -56,7 +55,6 @@ class Plant:
     def __post_init__(self) -> None:
         """Check base, shapes and signs."""
         refuse_floating_base(self.leg, "a rig")
-        refuse_loops(self.leg, "a rig")
         n, count = len(self.leg.joint_names), np.size(self.pitch)
         sizes = {"parameters": (len(self.leg.parameter_names), count), "stiffness": (3, n, count), "pitch": (count,)}
         for name in _array_names():
@@ -107,7 +105,6 @@ class Plant:
                 the mass matrix is not positive definite at some pose.
         """
         refuse_floating_base(leg, "a rig")
-        refuse_loops(leg, "a rig")
         values = dict(values or {})
         labels = leg.joint_labels
         known = {*leg.parameter_names, *(f"{symbol}_{label}" for symbol in SYMBOLS for label in labels)}
@@ -233,6 +230,7 @@ def _array_names() -> list[str]:
 def _refuse_indefinite(leg: Leg, parameters: FloatArray, armature: FloatArray) -> None:
     """Refuse parameters for which the mass matrix is not positive definite at poses all over the workspace."""
     poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (200, len(armature)))
+    poses = poses if leg.closure is None else leg.closure.reachable(poses)
     M = leg.with_parameters(parameters).mass_matrix(poses) + np.diag(armature)
     if not np.linalg.eigvalsh(M)[:, 0].min() > 0.0:
         raise BadArgumentError(

@@ -23,12 +23,10 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.dynamics import inverse_dynamics
 from exoid.leg.torso import TorsoMotion
 from exoid.tools.numbers import ROUNDED
 
 from .controllers import Reference, Target
-from .pinocchio_bodies import PinocchioBodies
 from .plant import Plant
 from .stepper import Equations, Step, Stepper
 from .wearer import IMPEDANCES, Wearer
@@ -113,11 +111,9 @@ def muscle_torques(wearer: Wearer, limb: Plant, dt: float, count: int) -> Iterat
         torque = np.asarray(wearer.muscle_stiffness) * q + np.asarray(wearer.muscle_damping) * v
         if wearer.feedforward:
             q, v, a = (x.transpose(0, 2, 1).reshape(-1, limb.n) for x in (q, v, a))
-            if limb.leg.chain is None:  # of one rig
-                alone = inverse_dynamics(PinocchioBodies(limb).model, q, v, a)
-            else:
-                W = limb.leg.regressor(q, v, a, TorsoMotion(pitch=np.tile(limb.pitch, len(steps))))
-                alone = W @ limb.leg.parameters
+            torso, leg = TorsoMotion(pitch=np.tile(limb.pitch, len(steps))), limb.leg
+            many = leg.chain is not None  # the closed form is faster for many rigs
+            alone = leg.regressor(q, v, a, torso) @ leg.parameters if many else leg.inverse_dynamics(q, v, a, torso)
             torque = torque + alone.reshape(len(steps), limb.count, limb.n).transpose(0, 2, 1)
         yield from torque
         first = steps.stop

@@ -126,11 +126,6 @@ def test_the_command_line_takes_loops(tmp_path):
     assert isinstance(run.exception, exoid.errors.UnreadableInputError)
 
 
-def test_a_rig_is_refused(tmp_path):
-    with pytest.raises(exoid.ExoidError, match="closed loops"):
-        exoid.rig.Plant.build(four_bar_knee(0).leg(tmp_path))
-
-
 def test_dependent_joints_move_in_a_scene(leg):
     moved = Skeleton(leg).joint_transforms(np.array([[0.0, 0.0], [0.2, 0.1]]))
     assert moved.shape == (2, len(leg.tree_joint_names), 4, 4)
