@@ -14,8 +14,7 @@ from exoid.actuators.constants import at_start, unknown_constants, with_constant
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError
 from exoid.leg.payload import Payload
-from exoid.signals import Poses, Recording, Recordings
-from exoid.signals.recordings import RecordingFile
+from exoid.signals import Poses, Recording
 from exoid.torques import Armature, Coulomb, LoadFriction, Motion, Offset, TorqueModel, Viscous
 from exoid.torques.payloads import payload_torque
 
@@ -243,15 +242,6 @@ def test_the_sensitivity_is_the_derivative_of_the_torque(symbol, back):
     above, below = (replace(motor, **{field: value + sign * step}).torque(current, v, v) for sign in (1.0, -1.0))
     found = motor.sensitivity(symbol, motor.torque(current, v, v), v)
     np.testing.assert_allclose(found, (above - below) / (2.0 * step), rtol=1e-6, atol=1e-9)
-
-
-def test_logs_on_disk_give_the_same(tmp_path):
-    logs = [log(1), log(2, PAYLOAD)]
-    for k, one in enumerate(logs):
-        one.to_csv(tmp_path / f"{k}.csv")
-    stored = Recordings(tuple(RecordingFile(tmp_path / f"{k}.csv", Recording.from_file) for k in range(2)))
-    here, there = (identify(LEG, data, TERMS, actuators=motors()) for data in (logs, stored))
-    assert there["kt_hip"].value == pytest.approx(here["kt_hip"].value, rel=1e-9)
 
 
 @pytest.mark.parametrize("factor", [0.05, 1000.0])

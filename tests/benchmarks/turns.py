@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-TURN = 0.25
+TURN = 0.15
 """A turn takes at least so long [s]: what is short is repeated, or it alone would find a quiet moment."""
 
 

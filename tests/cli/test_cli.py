@@ -1,8 +1,6 @@
 """The command line does what the Python API does, and ends in one line when it cannot."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -135,13 +133,6 @@ def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
     assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
 
 
-def test_identify_reads_held_out_logs_as_the_others(exoid_, data):
-    run = exoid_("identify", "bleex", TRAIN, "--test", TRAIN, "--start", "5", "--stop", "25", "--no-check", "--json")
-    part = data.train.between(5.0, 25.0)
-    expected = exoid.validate(exoid.identify(data.leg, part, check=False), part)
-    assert json.loads(run.out)["tests"] == [expected.to_json()]
-
-
 @pytest.mark.slow
 def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
     with undrawn():
@@ -201,15 +192,3 @@ def test_validate_against_a_constant_torque_prints_json_that_is_json(exoid_, dat
 
 
 # ------------------------------------------------------------------------------------------- as a process
-
-
-@pytest.mark.slow
-def test_a_process_writes_json_to_its_output_and_nothing_else(tmp_path):
-    program = "from exoid.cli import main; main()"
-    words = ["identify", "bleex", TRAIN, "-o", "leg.json", "--no-check", "--json"]
-    done = subprocess.run(
-        [sys.executable, "-c", program, *words], cwd=tmp_path, capture_output=True, encoding="utf-8", check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["values"]["X1"] == pytest.approx(3.986, abs=0.01)
-    assert [path.name for path in tmp_path.iterdir()] == ["leg.json"]

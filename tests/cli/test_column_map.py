@@ -52,14 +52,6 @@ def test_a_file_of_columns_says_what_the_options_say(values, log, tmp_path):
     assert by_file == values(*OPTIONS, "--unmeasured", "knee")
 
 
-def test_columns_are_saved_and_the_command_line_goes_before_the_file(values, log):
-    first = values(*OPTIONS, "--unmeasured", "knee", "--save-columns", "saved.toml")
-    assert values("--columns", "saved.toml") == first
-    other = "tau_hip=cur:-0.059:3"
-    halved = values(*OPTIONS[:-1], other, "--unmeasured", "knee")
-    assert values("--columns", "saved.toml", "--column", other) == halved != first
-
-
 def test_an_estimate_remembers_how_its_logs_were_read(exoid_, log):
     """The command line goes before it; --columns none forgets it."""
     run = exoid_("identify", "bleex", "log.csv", *OPTIONS, "--unmeasured", "knee", "--no-check", "-o", "est.json")
@@ -167,16 +159,6 @@ def test_a_map_says_drives_and_delays_and_the_leg_is_that_of_torques_on_time(exo
     assert exoid_("check", "bleex", "train.csv", "--columns", "lab.toml").out == "nothing found\n"
 
 
-def test_without_the_delay_in_the_map_the_check_names_it(exoid_, amperes, tmp_path):
-    (tmp_path / "lab.toml").write_text(AMPERES.replace("knee = 0.020", ""), encoding="utf-8")
-    found = json.loads(exoid_("check", "bleex", "train.csv", "--columns", "lab.toml", "--json").out)["findings"]
-    (late,) = [each for each in found if each["kind"] == "torque-delay"]
-    assert late["joint"] == "left_knee"
-    assert abs(late["value"] - LATE) < 0.002
-    on_time = exoid_("check", "bleex", "train.csv", "--columns", "lab.toml", "--late", "knee=0.02")
-    assert on_time.out == "nothing found\n"
-
-
 def test_drives_and_delays_are_remembered_and_saved(exoid_, amperes, tmp_path):
     """The constant that was found goes before "unknown" in the file, which the user goes on giving."""
     run = exoid_(
@@ -199,13 +181,3 @@ def test_drives_and_delays_are_remembered_and_saved(exoid_, amperes, tmp_path):
         assert shown.code == 0, shown.err
     assert exoid_("check", "bleex", "test.csv", "--columns", "est.json").out == "nothing found\n"
     assert "knee = 0.02" in (tmp_path / "saved.toml").read_text(encoding="utf-8")
-
-
-def test_drives_of_the_command_line_go_before_those_of_the_map(exoid_, amperes, tmp_path):
-    motors = AMPERES.partition("[actuators")[2].replace("actuators.", "").replace('"unknown"', "0.18")
-    (tmp_path / "double.toml").write_text(f"[{motors[1:]}", encoding="utf-8")
-    options = ("identify", "bleex", "train.csv", "--columns", "lab.toml", "--no-check", "--json")
-    run = exoid_(*options, "--actuators", "double.toml")
-    assert run.code == 0, run.err
-    assert "kt_ankle" not in run.out
-    assert "kt_ankle" in exoid_(*options).out

@@ -31,12 +31,6 @@ def test_an_unexpected_error_is_one_line_and_the_traceback_an_option(exoid_, mon
             exoid_(*words)
 
 
-def test_bad_input_shows_its_traceback_too_when_asked(exoid_):
-    assert exoid_("validate", "none.json", "log.csv").code == 2
-    with pytest.raises(exoid.ExoidError, match=r"none\.json"):
-        exoid_("validate", "none.json", "log.csv", "--traceback")
-
-
 @pytest.mark.parametrize(
     ("error", "words"),
     [

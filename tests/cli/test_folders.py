@@ -24,16 +24,3 @@ def test_a_folder_stands_for_its_logs(exoid_, folder):
     files = [folder / f"part.{number}.csv" for number in (1, 2, 10)]
     _, alone, _ = exoid_("identify", "bleex", *files, "--no-check", "--json")
     assert json.loads(out)["values"] == json.loads(alone)["values"]
-
-
-def test_options_hold_for_logs_in_a_folder_too(exoid_, folder):
-    _, whole, _ = exoid_("identify", "bleex", "logs", "--no-check", "--json")
-    code, part, _ = exoid_("identify", "bleex", "logs", "--no-check", "--start", "6.2", "--json")
-    assert code == 0
-    assert json.loads(part)["inputs"][0]["samples"] < json.loads(whole)["inputs"][0]["samples"]
-
-
-def test_each_log_of_a_folder_can_have_parameters_of_its_own(exoid_, folder):
-    code, out, _ = exoid_("identify", "bleex", "logs", "--no-check", "--own", "offset")
-    assert code == 0
-    assert "offset_hip[part.10]" in out

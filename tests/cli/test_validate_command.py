@@ -3,7 +3,6 @@
 import json
 from functools import partial
 
-import numpy as np
 import pytest
 
 import exoid
@@ -50,12 +49,3 @@ def test_a_poor_prediction_fails_only_under_strict(validate):
     assert (code, json.loads(out)["verdict"]) == (0, "predicts poorly")
     code, strict, _ = validate("heavier.csv", "--json", "--strict")
     assert (code, strict) == (1, out)
-
-
-def test_the_cut_off_is_passed_on(validate, data):
-    code, out, _ = validate("bleex_swing:test", "--cutoff", "4", "--json")
-    estimate = exoid.Estimate.load("leg.json")
-    assert code == 0
-    assert json.loads(out) == exoid.validate(estimate, data.test, cutoff=4.0).to_json()
-    other = json.loads(validate("bleex_swing:test", "--json")[1])
-    assert not np.allclose(json.loads(out)["rmse"], other["rmse"])

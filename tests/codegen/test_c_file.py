@@ -152,24 +152,3 @@ def test_a_model_needs_no_estimate_and_no_provenance(tmp_path):
     assert "Estimator" not in head
     assert "None" not in source.text
     assert source.to_json()["values"]["d_knee"] == 2.0
-
-
-@needs_compiler
-def test_labels_that_are_alike_do_not_shorten_a_table(tmp_path):
-    """From "x" to "y to z", and from "x to y" to "z": the same text twice."""
-    chain = random_chain(np.random.default_rng(3), 4)
-    leg = replace(chain, joint_names=("x", "y to z", "x to y", "z")).leg()
-    c = CompiledLeg(c_source(TorqueModel(leg, ()), leg.parameters), tmp_path)
-    motion = random_motion(np.random.default_rng(0), 4)
-    assert_relative(c("rigid_bodies", *motion), leg.inverse_dynamics(*motion), 1e-12)
-
-
-def test_what_was_written_prints_itself(tmp_path):
-    written = ESTIMATE.to_c(tmp_path / "left_leg.c", precision="float")
-    assert (tmp_path / "left_leg.c").read_text() == written.text == source_of(ESTIMATE, "left_leg", "float").text
-    for word in ("left_leg.c", "float", "left_leg_gravity", "LEFT_LEG_DECLARATIONS_ONLY", "left_hip, left_knee"):
-        assert word in str(written).replace("\n", " ")
-    assert repr(written) == f"CSource({str(tmp_path / 'left_leg.c')!r}, 'float')"
-    data = written.to_json()
-    assert data["c"] == {"name": "left_leg.c", "sha256": written.sha256}
-    assert data["values"] == dict(zip(ESTIMATE.names, ESTIMATE.values.tolist(), strict=True))

@@ -104,13 +104,6 @@ def test_many_rigs_at_once_do_what_each_does_alone():
         np.testing.assert_allclose(one.q, alone.q, atol=1e-8)
 
 
-def test_a_run_may_begin_elsewhere():
-    start = np.deg2rad([40.0, 30.0])
-    run = simulate_law(cuhk_plant(), pd(KP, KD), Hold(np.zeros((2, 1))), 0.5, start=start)
-    np.testing.assert_allclose(run.q[0], start)
-    np.testing.assert_allclose(run.v[0], 0.0)
-
-
 @pytest.mark.parametrize(
     ("control", "log"), [(30.0, 100.0), (100.0, 100.0), (33.0, 100.0), (1000.0, 1000.0), (2.5, 4.0)]
 )

@@ -67,27 +67,6 @@ def costs(angle=2.0, torque=10.0):
     return Q, np.diag(np.broadcast_to(torque, 2) ** -2.0)
 
 
-@pytest.mark.slow
-def test_the_gain_minimises_the_cost():
-    """Against least squares for the torques of 5 s all at once, from a random state, without a Riccati equation."""
-    count, pose = 500, np.array([0.4, 0.9])
-    law = lqr(MODEL, pose)
-    A, B = discretise(linearise(MODEL, pose, np.zeros(2), np.zeros(2)), 0.01)
-    Q, R = (np.sqrt(x) for x in costs())
-    x0 = np.array([0.1, -0.2, 0.5, 0.3])
-    free, forced, rows, rhs = x0, np.zeros((4, 2 * count)), [], []
-    for k in range(count):
-        rows += [Q[:2] @ forced, R @ np.eye(2 * count)[2 * k : 2 * k + 2]]
-        rhs += [-Q[:2] @ free, np.zeros(2)]
-        free, forced = A @ free, A @ forced
-        forced[:, 2 * k : 2 * k + 2] += B
-    best = np.linalg.lstsq(np.vstack(rows), np.concatenate(rhs))[0].reshape(count, 2)
-    x = x0
-    for u in best[: count // 3]:  # later ones know that the end is near
-        np.testing.assert_allclose(-law.gain @ x, u, rtol=1e-6, atol=1e-8)
-        x = A @ x + B @ u
-
-
 def test_the_torque_is_feedforward_and_gain():
     law = lqr(exact_estimate(), (0.3, 0.6))
     target, state = random_target(), State(*np.random.default_rng(4).uniform(-1.0, 1.0, (2, 2)))

@@ -102,14 +102,6 @@ def test_a_log_at_once_is_the_same_as_sample_by_sample(case, estimate):
         np.testing.assert_array_equal(reading.detected, found.detected[k])
 
 
-def test_memory_is_explicit_and_a_step_leaves_it_as_it_was(estimate, worn):
-    recording = worn.recording()
-    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
-    memory = observer.begin(recording.q[0], tau=recording.tau[0])
-    readings = [observer.step(memory, recording.q[1], None, recording.tau[1])[0].torque for _ in range(2)]
-    np.testing.assert_array_equal(*readings)
-
-
 def test_blocks_of_a_long_log_join(estimate, monkeypatch, worn):
     observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
     recording = worn.recording().slice(0, 500)
@@ -357,14 +349,6 @@ def test_unknown_noise_is_measured_by_run_and_step_says_that_it_detects_nothing(
 # ----------------------------------------------------------------------------------------------- mistakes of logs
 
 
-def test_joints_of_a_log_may_stand_in_any_order(estimate, worn):
-    recording = worn.recording()
-    observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
-    mixed = recording.select(("left_ankle", "left_hip", "left_knee"))
-    np.testing.assert_array_equal(observer.run(mixed).torque, observer.run(recording).torque)
-    assert observer.run(mixed).joint_names == BLEEX.joint_names
-
-
 def gap(recording):
     time = recording.time + np.where(recording.time > 2.0, 0.1, 0.0)
     return dataclasses.replace(recording, time=time)
@@ -441,11 +425,3 @@ def test_a_bad_reading_is_refused_and_the_memory_stays_good(reading, kind, joint
 def test_settings_that_make_no_sense_are_refused(settings):
     with pytest.raises(ExoidError):
         MomentumObserver(**{"source": BLEEX, "bandwidth": 10.0, "rate": 1000.0, "noise": NOISE, **settings})
-
-
-def test_what_an_observer_needs_is_asked_for(estimate, worn):
-    observer = MomentumObserver(estimate, 10.0, 1000.0, cutoff=np.inf, noise=NOISE)
-    with pytest.raises(BadArgumentError):  # velocities
-        observer.run(worn.recording())
-    with pytest.raises(BadArgumentError):
-        SensorNoise(-1.0)

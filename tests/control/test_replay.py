@@ -94,13 +94,3 @@ def test_figures_of_a_replay():
     assert np.isnan(figures["rms_recorded"][1])
     np.testing.assert_allclose(figures["peak_rate"], 0.0, atol=1e-12)
     assert json.loads(json.dumps(found.to_json()))["rms_recorded"] == [5.0, None]
-
-
-def test_the_csv_reads_back_as_a_log(run, tmp_path):
-    found = replay_law(PD, run.recording)
-    found.to_csv(tmp_path / "commanded.csv")
-    header, *rows = (tmp_path / "commanded.csv").read_text().splitlines()
-    hip, knee = LEG.joint_names
-    assert header == f"time,tau_{hip},tau_{knee},recorded_{hip},recorded_{knee}"
-    back = np.array([[float(x) for x in row.split(",")] for row in rows])
-    np.testing.assert_array_equal(back, np.column_stack([found.time, found.commanded, found.recorded]))

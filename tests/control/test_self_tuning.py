@@ -15,12 +15,11 @@ from exoid.control import (
     compare_laws,
     feedforward_pd,
     self_tuning,
-    simulate_many,
 )
 from exoid.control.self_tuning import SLEW, SelfTuning
 from exoid.control.self_tuning import exact_estimate as written
 from exoid.control.standard_laws import SENSORS
-from exoid.experiments import Hold, healthy_gait
+from exoid.experiments import healthy_gait
 from exoid.rig import Payload, Target, plant_with_payloads
 
 KP, KD = (22.0, 55.0), (2.2, 5.5)
@@ -82,7 +81,7 @@ def test_wild_torques_leave_the_parameters_within_their_bounds(monkeypatch):
 
 
 def test_standing_still_moves_no_parameter():
-    """Ten minutes of the law, noise of sensors and stiction in the torque; the rig's own stand is a slow test."""
+    """Ten minutes of the law, noise of sensors and stiction in the torque."""
     law = self_tuning(exact_estimate(), KP, KD)
     pose, rng = np.array([0.4, 0.6]), np.random.default_rng(1)
     settings, state = law.settings, law.begin(State(pose, 0.0 * pose))
@@ -92,26 +91,6 @@ def test_standing_still_moves_no_parameter():
         q, v, torque = pose[:, None] + 5e-4 * noise[:, 0], 0.01 * noise[:, 1], 3.0 * noise[:, 0] + 5.0
         state = law._refreshed(state._replace(pending=np.stack([q, v, torque], axis=1)))
     np.testing.assert_allclose(state.aim, begin, rtol=0, atol=1e-6)
-
-
-@pytest.mark.slow
-def test_a_leg_that_stands_on_the_rig_teaches_nothing():
-    law = self_tuning(exact_estimate(), KP, KD)
-    pose, seen = np.array([[0.4], [0.6]]), []
-
-    class Watched:
-        rate = law.rate
-        begin = staticmethod(law.begin)
-
-        @staticmethod
-        def step(memory, state, target):
-            torque, after = law.step(memory, state, target)
-            seen.append(after)
-            return torque, after
-
-    simulate_many(heavy_rig(), Watched(), Hold(pose), 15.0, sensors=SENSORS, start=pose + 0.05)
-    std = np.sqrt(np.diagonal(exact_estimate().covariance)).min()
-    assert np.abs(np.ravel(seen[-1].values) - np.ravel(seen[300].values)).max() <= std
 
 
 @pytest.mark.parametrize(
@@ -134,13 +113,6 @@ def test_its_error_is_at_most_a_fifth_above_that_of_a_feedforward_that_knew():
     runs = compare_laws(heavy_rig(), laws, healthy_gait(1.2, 10.0), 20.0, sensors=SENSORS, settle=10.0)
     assert (runs["self-tuning"].rms_deg <= 1.2 * runs["knew"].rms_deg).all()
     assert (runs["self-tuning"].peak_deg <= 1.2 * runs["knew"].peak_deg).all()
-
-
-def test_the_estimate_of_a_leg_can_be_read():
-    law = self_tuning(exact_estimate(), KP, KD)
-    found = law.estimate_of(fed(law, 4.0, heavy_rig())[-1])
-    assert isinstance(found, exoid.Estimate)
-    assert found["X2"].value - exact_estimate()["X2"].value == pytest.approx(0.45, abs=0.1)
 
 
 def test_a_joint_with_a_vertical_axis_is_no_exception():

@@ -53,14 +53,6 @@ def test_the_closed_loop_hands_the_memory_on():
     np.testing.assert_allclose(run.tau[1:], expected[:-1], rtol=1e-3, atol=1e-3)  # readings have encoder counts
 
 
-def test_one_law_object_may_run_many_times_and_on_many_rigs():
-    law, plant, gait = PI(), cuhk_plant(), healthy_gait()
-    first, again = (simulate_law(plant, law, gait, 0.3) for _ in range(2))
-    np.testing.assert_array_equal(first.tau, again.tau)
-    for one in simulate_many(plant.repeat(3), law, gait, 0.3):
-        np.testing.assert_allclose(one.tau, first.tau, atol=1e-8)
-
-
 @pytest.mark.parametrize(
     ("limits", "last", "torque"),
     [
@@ -94,15 +86,3 @@ def test_side_by_side_each_law_keeps_its_memory():
     together = simulate_many(plant.repeat(3), laws, gait, 0.3)
     for one, law in zip(together, laws, strict=True):
         np.testing.assert_allclose(one.tau, simulate_law(plant, law, gait, 0.3).tau, atol=1e-8)
-
-
-def test_side_by_side_each_law_receives_its_last_torque():
-    class Growing:
-        rate = 100.0
-
-        def torque(self, state: State, target: Target) -> FloatArray:
-            return 0.01 + (np.zeros(2) if state.last is None else state.last)
-
-    runs = simulate_many(cuhk_plant().repeat(2), (pd(0.0, 0.0), Growing()), healthy_gait(), 0.1)
-    assert not runs[0].tau.any()
-    np.testing.assert_allclose(runs[1].tau[1:, 0], 0.01 * np.arange(1, len(runs[1].tau)))

@@ -16,7 +16,6 @@ from exoid.control import (
     pd,
     sensitivity_amplification,
     simulate_law,
-    simulate_many,
     transparent,
 )
 from exoid.errors import ExoidError
@@ -213,18 +212,6 @@ def test_the_law_receives_what_the_cuffs_measure():
     np.testing.assert_array_equal(law.heard, run.interaction)
     simulate_law(RUBBING, unworn := Listen(), GAIT, 0.1)
     assert unworn.heard[0] is None
-
-
-def test_many_worn_rigs_at_once_do_what_each_does_alone():
-    law, plants = transparent(RUBBING), [RUBBING, Plant.build(RUBBING.leg, {"c0_hip": 3.0})]
-    plants[1] = replace(RUBBING, coulomb=2.0 * RUBBING.coulomb, static=2.0 * RUBBING.static)
-    for one, plant in zip(
-        simulate_many(Plant.concatenate(plants), law, GAIT, 0.4, wearer=WALKING), plants, strict=True
-    ):
-        alone = simulate_law(plant, law, GAIT, 0.4, wearer=WALKING)
-        np.testing.assert_allclose(one.interaction, alone.interaction, atol=1e-6)
-        np.testing.assert_allclose(one.limb_q, alone.limb_q, atol=1e-8)
-        np.testing.assert_allclose(one.rms_interaction, np.sqrt(np.mean(alone.interaction[1:] ** 2, axis=0)), rtol=1e-6)
 
 
 def test_nobody_feels_anything_in_an_unworn_leg():

@@ -1,7 +1,5 @@
 """An exported URDF is the user's own with other numbers, and every library that reads it finds the estimate."""
 
-import dataclasses
-
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -14,7 +12,7 @@ from public_robots import urdf_of
 from swings import harmonics
 
 import exoid
-from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Recording, Stiffness, Viscous
+from exoid import Armature, Coulomb, Leg, Offset, Recording, Stiffness, Viscous
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift.lumping import distribute_bodies
@@ -127,14 +125,6 @@ def test_an_identified_example_is_exported_as_it_is(data, estimate, tmp_path):
     np.testing.assert_allclose(reloaded(data.leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
     for name in ("Ia_hip", "J1"):
         assert name in str(export)  # regrouped, and said so
-
-
-def test_exporting_twice_gives_the_same_leg(leg, tmp_path):
-    export = estimate_of(leg, rigid=near(leg)).to_urdf(tmp_path / "leg.urdf")
-    first = reloaded(leg, export.urdf)
-    second = reloaded(leg, estimate_of(first).to_urdf(tmp_path / "again.urdf").urdf)
-    for one, other in zip(list(first.model.inertias)[1:], list(second.model.inertias)[1:], strict=True):
-        np.testing.assert_allclose(one.toDynamicParameters(), other.toDynamicParameters(), rtol=0, atol=1e-12)
 
 
 # ------------------------------------------------------------------------------------ any robot, locks
@@ -327,25 +317,3 @@ def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_ho
 
 
 # --------------------------------------------------------------------------------------------- files
-
-
-def test_the_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
-    estimate = estimate_of(exoid.load_leg("cuhk"))
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
-    before, other = export.urdf.read_bytes(), dataclasses.replace(estimate, values=1.01 * estimate.values)
-
-    def full(_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(ExoidError, match="No space left"):
-        other.to_urdf(tmp_path / "leg.urdf")
-    assert export.urdf.read_bytes() == before
-    assert [path.name for path in tmp_path.iterdir()] == ["leg.urdf"]
-
-
-@pytest.mark.parametrize("path", ["no folder/leg.urdf", "."])
-def test_a_place_that_cannot_be_written_is_refused(tmp_path, path):
-    with pytest.raises(ExoidError, match=r"cannot be written: (there is no such|it is a) folder"):
-        estimate_of(exoid.load_leg("cuhk")).to_urdf(f"{tmp_path}/{path}")
-    assert list(tmp_path.iterdir()) == []

@@ -80,21 +80,7 @@ def test_groups_that_do_not_belong_together_are_refused(leg, two, case):
     assert caught.value.remedy
 
 
-def test_the_group_is_named(leg, two):
-    with pytest.raises(NI, match=r"^b: joint left_hip stands still"):
-        identify(leg, {"a": two["a"], "b": still(two["b"], 0, 1, 2)}, TERMS)
-
-
 def test_legs_of_other_lengths_may_share_friction(leg, two):
     legs = {"a": leg, "b": longer(leg)}
     apart = identify(legs, two, TERMS, own=(*leg.parameter_names, "offset"))
     assert apart.shared[0] == "c0_hip"
-
-
-def test_two_files_of_one_name(leg, two, tmp_path):
-    paths = [tmp_path / day / "log.csv" for day in ("monday", "tuesday")]
-    for path, recording in zip(paths, two.values(), strict=True):
-        path.parent.mkdir()
-        recording.to_csv(path)
-    with pytest.raises(BAD, match=r"log\.csv"):
-        identify(leg, [exoid.Recording.from_csv(path) for path in paths], TERMS, own="offset")

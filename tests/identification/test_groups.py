@@ -1,7 +1,6 @@
 """Several legs or sessions at once: shared parameters gain, own ones stay apart, in one least-squares problem."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from sessions import TERMS, Noise, Session, truth_of
 from unchecked import identify
 
 import exoid
-from exoid import Estimate, ExoidError, Recording, compare
+from exoid import ExoidError, Recording, compare
 from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, Poses, Recordings
 from exoid.torques import TorqueModel
@@ -194,15 +193,6 @@ def test_errors_in_common_cancel_in_a_comparison(legs, sides):
     assert abs(comparison.difference[hip] - 0.3) < 4.0 * comparison.std[hip]
 
 
-def test_estimates_that_share_parameters_are_not_independent(legs, sides):
-    """Compared as two estimates, they get the largest error that a difference can have, and a note that says so."""
-    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
-    bound, exact = compare(together["left"], together["right"]), together.compare("left", "right")
-    assert any("errors depend on each other" in note for note in bound.notes)
-    of_both = [bound.names.index(name) for name in exact.names]
-    assert (bound.std[of_both] > 0.999 * exact.std).all()
-
-
 def test_groups_that_do_not_agree_on_what_they_share_are_told(legs, sides):
     """The right shank has picked up 5 % of inertia: sharing it would be wrong, and is said to be."""
     changed = dict(sides)
@@ -217,26 +207,6 @@ def test_groups_that_do_not_agree_on_what_they_share_are_told(legs, sides):
     assert "J2" in mended.equal.below(0.05)
 
 
-def test_the_estimate_of_a_group_does_all_that_an_estimate_does(legs, sides, tmp_path):
-    together = identify(legs, record(sides, left=Noise(0.2), right=Noise(0.2)), TERMS)
-    estimate, session = together["right"], sides["right"]
-    assert estimate.joint_names == legs["right"].joint_names
-    fresh = dataclasses.replace(session, seed=7).recording()
-    measured = fresh.tau
-    assert np.abs(estimate.torque(fresh.q, fresh.v, fresh.a) - measured).max() < 0.2
-    band = estimate.torque_band(fresh.q, fresh.v, fresh.a, measured=False)
-    inside = (band.lower <= measured) & (measured <= band.upper)
-    assert inside.mean() > 0.8
-    estimate.save(tmp_path / "right.json")
-    again = Estimate.load(tmp_path / "right.json")
-    np.testing.assert_array_equal(again.covariance, estimate.covariance)
-    assert str(again) == str(estimate)
-    estimate.to_urdf(tmp_path / "right.urdf")
-    back = exoid.Leg.from_urdf(tmp_path / "right.urdf", joints=legs["right"].joint_names)
-    np.testing.assert_allclose(back.parameters, estimate.values[:9], rtol=1e-9, atol=1e-9)
-    json.dumps(together.to_json(), allow_nan=False)
-
-
 def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tmp_path):
     paths = [tmp_path / f"{day}.csv" for day in days]
     for path, recording in zip(paths, record(days, **dict.fromkeys(days, Noise(0.1))).values(), strict=True):
@@ -248,15 +218,6 @@ def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tm
     assert on_disk.groups == together.groups
     np.testing.assert_array_equal(on_disk.values, together.values)
     np.testing.assert_array_equal(on_disk.covariance, together.covariance)
-
-
-def test_parts_of_one_file_may_be_groups(leg, days, tmp_path):
-    days["monday"].recording(np.random.default_rng(0), Noise(0.1)).to_csv(tmp_path / "log.csv")
-    log = Recording.from_csv(tmp_path / "log.csv")
-    middle = 0.5 * (log.time[0] + log.time[-1])
-    parts = {"first": log.between(log.time[0], middle), "second": log.between(middle, log.time[-1])}
-    together = identify(leg, parts, TERMS, own="offset")
-    assert not together.equal.below(0.01)
 
 
 def test_poses_may_be_a_group_of_their_own(leg, days):

@@ -1,11 +1,9 @@
 """Motion and parameters fitted together: right without noise, better with it, and honest about it."""
 
 import dataclasses
-from functools import partial
 
 import numpy as np
 import pytest
-from scipy.interpolate import BSpline
 from scipy.signal import lfilter
 from swings import TERMS, Swing
 from unchecked import identify
@@ -15,19 +13,13 @@ from exoid import Coulomb, ExoidError, Viscous
 from exoid.identification.estimators import JointML
 from exoid.identification.estimators.bordered import eliminate
 from exoid.identification.estimators.joint_ml import smooth
-from exoid.identification.estimators.motion_fit import fit_motion
 from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, System, respond
 from exoid.identification.estimators.trajectory import Trajectory
-from exoid.regression.least_squares import solve
 from exoid.signals import Poses
 from exoid.torques import Motion, TorqueModel
 
 ANGLE, TORQUE = 1e-3, 0.05
 NO_PRIORS = np.zeros((0, 16))
-
-
-def solver(swing):
-    return partial(solve, names=TorqueModel(swing.leg, TERMS).names)
 
 
 @pytest.fixture(scope="module")
@@ -56,15 +48,6 @@ def poses(swing, count=40):
 
 def relative(estimate, swing):
     return np.abs(estimate.values / swing.truth - 1.0)
-
-
-def test_a_trajectory_is_the_quintic_spline_and_its_derivatives():
-    time = np.linspace(1.0, 3.0, 57)
-    trajectory = Trajectory.on(time, 0.1)
-    coefficients = np.random.default_rng(0).standard_normal((trajectory.size, 2))
-    knots = 1.0 + 0.1 * np.arange(-5, trajectory.size + 1)
-    for order, found in enumerate(trajectory.at_samples(coefficients)):
-        np.testing.assert_allclose(found, BSpline(knots, coefficients, 5)(time, order), atol=1e-9)
 
 
 def test_the_torque_answers_to_the_motion_as_pinocchio_says(swing):
@@ -143,14 +126,6 @@ def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_hi
     assert relative(joint, swing).max() < 0.1 * relative(filtered, swing).max()
 
 
-def test_levels_are_those_of_the_noise(swing):
-    model, log = TorqueModel(swing.leg, TERMS), noisy(swing, 4)
-    moving = Moving(log.time, log.q, log.tau, np.ones_like(log.q), swing.motion[0], None)
-    levels = fit_motion(model, [moving], swing.truth, 0.05, solver(swing), NO_PRIORS).levels
-    np.testing.assert_allclose(levels.angle, ANGLE, rtol=0.1)
-    np.testing.assert_allclose(levels.torque, TORQUE, rtol=0.25)
-
-
 @pytest.mark.parametrize(
     "spacing", [0.0, -1.0, float("nan"), float("inf"), pytest.param(0.02, id="knots closer than samples can hold")]
 )
@@ -167,13 +142,6 @@ def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
     assert (coulomb.smoothing, coulomb.dead_band, viscous) == (0.01, 0.0, Viscous())
     estimate = identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
     assert relative(estimate, swing).max() < 0.1
-
-
-def test_recorded_velocities_are_not_used(swing):
-    log = noisy(swing, 9)
-    wrong = dataclasses.replace(log, v=1.01 * swing.motion[1])
-    estimates = [identify(swing.leg, data, TERMS, JointML(0.05)) for data in (log, wrong)]
-    np.testing.assert_allclose(estimates[0].values, estimates[1].values, rtol=1e-6)
 
 
 def test_rows_with_the_motion_eliminated_have_the_normal_equations_and_the_score(system, swing):

@@ -19,20 +19,6 @@ def test_both_directions_are_averaged_and_their_difference_is_the_friction_band(
     np.testing.assert_allclose(both.band, np.tile(friction, (3, 1)))
 
 
-def test_arrays_are_copied_and_read_only():
-    mine = Q.copy()
-    poses = Poses(mine, Q, NAMES)
-    mine[0, 0] = 9.0
-    assert poses.q[0, 0] == 0.1
-    with pytest.raises(ValueError, match="read-only"):
-        poses.tau[0, 0] = 1.0
-
-
-def test_selecting_joints_goes_by_name():
-    poses = Poses(Q, 2.0 * Q, NAMES).select(("knee",))
-    np.testing.assert_array_equal(poses.tau, 2.0 * Q[:, 1:])
-
-
 REFUSED = {
     "fewer torques": lambda: Poses(Q, Q[:2], NAMES),
     "torques of one joint": lambda: Poses(Q, Q[:, :1], NAMES),

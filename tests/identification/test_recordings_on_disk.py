@@ -8,7 +8,7 @@ from unchecked import identify
 
 import exoid
 from exoid import Recording, Recordings
-from exoid.signals import FiniteDifference, Poses
+from exoid.signals import Poses
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 30.0)
 
@@ -77,18 +77,3 @@ def test_logs_on_disk_go_with_poses_and_recordings_in_memory(folder, in_memory):
     poses = Poses(q, tau, joint_names=SWING.leg.joint_names)
     mixed = [Recordings.from_folder(folder)[:3], poses, in_memory[4]]
     assert_same(exoid.identify(SWING.leg, mixed), identify(SWING.leg, [*in_memory[:3], poses, in_memory[4]]))
-
-
-def test_they_are_a_sequence(folder):
-    stored = Recordings.from_folder(folder)
-    assert len(stored) == 5
-    assert len(stored[1:3]) == 2
-    assert stored[-1].source.name == "part.12.parquet"
-    assert [each.source.name for each in stored[:2]] == ["part.8.csv", "part.9.csv"]
-
-
-@pytest.mark.slow
-def test_rows_without_a_filter_are_made_again_rather_than_written(folder, in_memory, monkeypatch):
-    monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
-    expected = identify(SWING.leg, in_memory, preparation=FiniteDifference())
-    assert_same(identify(SWING.leg, Recordings.from_folder(folder), preparation=FiniteDifference()), expected)

@@ -149,12 +149,6 @@ def test_a_hip_that_moves_while_another_recording_moves_the_rest_is_not_still(sw
     assert estimate.condition_number < 100.0
 
 
-def test_labels_without_a_side_are_accepted(swing):
-    plain = swing.recording(joint_names=("hip", "knee", "ankle"))
-    estimate = exoid.identify(swing.leg, plain, TERMS, preparation=PLAIN)
-    np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
-
-
 def test_further_joints_of_the_recording_are_ignored(swing):
     q, v, a = (np.column_stack([x[:, 2], x, x[:, 0]]) for x in swing.motion)
     tau = np.column_stack([swing.torque[:, 2], swing.torque, np.zeros(len(q))])

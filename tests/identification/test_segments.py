@@ -79,13 +79,6 @@ def test_segments_lose_no_row_to_the_filter():
     np.testing.assert_array_equal(rows.time, swing().time[mask()])
 
 
-def test_a_constant_torque_is_constant_in_rows_as_they_are_shown():
-    """Rows are divided by what the filter makes of ones: both sides do not fade towards the ends of a segment."""
-    steady = dataclasses.replace(segmented(), tau=np.full_like(swing().torque, 3.0))
-    rows = make_rows(TorqueModel(swing().leg, TERMS), steady, ZeroPhase())
-    np.testing.assert_allclose(rows.tau, 3.0, rtol=1e-9)
-
-
 def test_an_estimate_says_which_segments_it_is_from_and_its_file_too(tmp_path):
     estimate = exoid.identify(swing().leg, segmented(noise=coloured(1, 0.0)), TERMS)
     assert estimate.inputs[0].segments == segmented().segment_times

@@ -28,13 +28,6 @@ def test_j_is_cumulative_as_each_document_defines_it():
     assert not exoid.load_leg("cuhk").cumulative
 
 
-def test_the_left_leg_with_the_first_inertia_set_is_the_default():
-    for name, inertias in (("bleex", "cad"), ("cuhk", "nominal")):
-        default, explicit = exoid.load_leg(name), exoid.load_leg(name, side="left", inertias=inertias)
-        assert default.joint_names == explicit.joint_names
-        assert default.description.sha256 == explicit.description.sha256
-
-
 def test_cad_inertias_are_the_same_on_both_sides_and_identified_ones_are_not():
     cad, identified = (
         [exoid.load_leg("bleex", side=side, inertias=inertias).parameters for side in ("left", "right")]
@@ -51,11 +44,3 @@ def test_an_incomplete_installation_says_so(monkeypatch, tmp_path):
     monkeypatch.setattr(catalog, "__file__", str(tmp_path / "exoid" / "leg" / "catalog.py"))
     with pytest.raises(UnreadableInputError, match="reinstall exoid"):
         exoid.load_leg("bleex")
-
-
-def test_urdfs_inside_the_package_come_before_those_beside_it(monkeypatch, tmp_path):
-    for folder in (tmp_path / "exoid" / "urdf", tmp_path / "urdf"):
-        folder.mkdir(parents=True)
-        (folder / "bleex.urdf").touch()
-    monkeypatch.setattr(catalog, "__file__", str(tmp_path / "exoid" / "leg" / "catalog.py"))
-    assert catalog.urdf_folder() == tmp_path / "exoid" / "urdf"

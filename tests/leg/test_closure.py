@@ -131,15 +131,6 @@ def test_a_sample_does_not_depend_on_its_neighbours(leg):
     np.testing.assert_allclose(together[some], alone, atol=1e-11 * np.abs(alone).max())
 
 
-def test_a_closed_leg_has_the_joints_of_its_motors(tmp_path):
-    machine = four_bar_knee(0)
-    leg = machine.leg(tmp_path)
-    assert leg.joint_names == ("hip", "knee")
-    assert len(leg.parameter_names) == 11
-    assert leg.limits.lower.shape == (2,)
-    assert leg.bodies == ("thigh", "front", "shank", "rear")
-
-
 def test_a_weld_of_the_last_link_holds_all_joints_of_a_triangle(tmp_path):
     machine = four_bar_knee(0)
     with pytest.raises(BadArgumentError, match="take 3 freedoms of their joints, and 2 joints are dependent"):

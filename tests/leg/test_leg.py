@@ -114,20 +114,6 @@ def test_yourdfpy_places_the_segments_alike(built_in_leg):
 # ------------------------------------------------------------------------------ joints, locked and not
 
 
-@LEGS
-def test_legs_of_any_length_have_arrays_of_documented_shape(leg):
-    n, p = len(leg.joint_names), len(leg.parameters)
-    for samples in (0, 1, 3):
-        q, v, a = motion_of(leg, samples)
-        for torso in (None, TorsoMotion(0.1)):
-            assert leg.regressor(q, v, a, torso).shape == (samples, n, p)
-            assert leg.inverse_dynamics(q, v, a, torso).shape == (samples, n)
-            assert leg.gravity(q, torso).shape == (samples, n)
-            assert leg.forward_kinematics(q, torso).rotation.shape == (samples, n, 3, 3)
-            assert leg.forward_kinematics(q, torso).translation.shape == (samples, n, 3)
-        assert leg.mass_matrix(q).shape == (samples, n, n)
-
-
 @pytest.mark.parametrize("continuous", [False, True])
 def test_locking_a_joint_is_holding_it_still_at_that_angle(continuous):
     rng = np.random.default_rng(4)
@@ -223,10 +209,3 @@ def test_a_leg_with_other_parameters_has_their_torques(built_in_leg):
     assert_relative(changed.regressor(*motion), built_in_leg.regressor(*motion), 1e-15)
     torso = TorsoMotion(0.3, 0.2, 0.1, (0.5, -0.5))
     assert_relative(changed.inverse_dynamics(*motion, torso), built_in_leg.regressor(*motion, torso) @ new, 1e-12)
-
-
-def test_parameters_cannot_be_changed_in_place(leg):
-    with pytest.raises(ValueError, match="read-only"):
-        leg.parameters[0] = 1.0
-    with pytest.raises(AttributeError):
-        leg.cumulative = False

@@ -55,8 +55,3 @@ def test_joints_of_several_degrees_of_freedom_are_neutral_as_in_the_configuratio
     for i, row in enumerate(configuration(model, q)):
         pin.forwardKinematics(model, data, row)
         np.testing.assert_allclose(placed.rotation[i], [each.rotation for each in list(data.oMi)[1:]], atol=1e-12)
-
-
-def test_no_samples_have_no_frames():
-    model = mixed()
-    assert segment_placements(model, np.zeros((0, model.nv))).rotation.shape == (0, 6, 3, 3)

@@ -96,13 +96,6 @@ def test_a_torso_at_rest_is_the_same_as_none(built_in_leg):
     assert_relative(leg.gravity(q, rest), leg.gravity(q), TOLERANCE)
 
 
-def test_a_constant_is_the_same_as_that_number_at_every_sample(leg):
-    q, v, a, _ = moved(leg, 7, 10)
-    constant = TorsoMotion(0.3, 0.2, -0.5, (1.0, 2.0))
-    spelt_out = TorsoMotion([0.3] * 10, np.full(10, 0.2), np.full(10, -0.5), np.tile([1.0, 2.0], (10, 1)))
-    np.testing.assert_array_equal(leg.regressor(q, v, a, constant), leg.regressor(q, v, a, spelt_out))
-
-
 def test_gravity_under_a_tilted_torso_is_the_torque_at_rest(built_in_leg):
     q, v, _, torso = moved(built_in_leg, 9)
     still = np.zeros_like(v)

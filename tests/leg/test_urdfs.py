@@ -3,7 +3,6 @@
 import importlib
 import logging
 import math
-import re
 import warnings
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -13,8 +12,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yourdfpy
-
-from exoid import published
 
 ROOT = Path(__file__).resolve().parents[2]
 URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
@@ -63,27 +60,6 @@ CUHK_JOINTS = {
     "hip": ((0, -1, 0), (-30, 110), 80, 6.5),
     "knee": ((0, 1, 0), (-15, 120), 60, 6.5),
 }
-FRICTION = {  # damping, dry friction
-    "bleex.urdf": {
-        "left_hip": (0, 0),
-        "left_knee": (0, 0.5291),
-        "left_ankle": (0, 0.2646),
-        "right_hip": (0, 0),
-        "right_knee": (0, 0.4081),
-        "right_ankle": (0, 0.3370),
-    },
-    "cuhk.urdf": {
-        "left_hip": (0.038, 1.445),
-        "left_knee": (0.192, 0.593),
-        "right_hip": (0.038, 1.445),
-        "right_knee": (0.192, 0.593),
-    },
-    "dfki_double_pendulum.urdf": {
-        "shoulder": (0.081, 0.093 * math.pi / 2),
-        "elbow": (0.0, 0.186 * math.pi / 2),
-    },
-}
-FRICTION["bleex_identified.urdf"] = FRICTION["bleex.urdf"]
 
 
 def expected_joints(name: str) -> dict[str, tuple]:
@@ -110,18 +86,6 @@ def test_joints_have_their_names_axes_and_limits(name):
             "velocity": velocity,
         }
         assert limit == pytest.approx(expected, rel=1e-15)
-
-
-@pytest.mark.parametrize("name", URDFS)
-def test_joints_have_the_friction_that_the_documents_leave_to_them(name):
-    model = mujoco.MjModel.from_xml_path(str(ROOT / "urdf" / name))
-    joints = {joint.get("name"): joint.find("dynamics").attrib for joint in xml_of(name).findall("joint")}
-    read = {name: (float(d["damping"]), float(d["friction"])) for name, d in joints.items()}
-    assert read == FRICTION[name]
-    for joint, (damping, friction) in FRICTION[name].items():
-        dof = model.jnt_dofadr[model.joint(joint).id]
-        assert model.dof_damping[dof].item() == damping
-        assert model.dof_frictionloss[dof] == friction
 
 
 @pytest.mark.parametrize(
@@ -184,23 +148,3 @@ def test_no_library_complains(name, capfd, caplog):
 def test_the_file_is_what_the_script_writes(make_urdfs, name):
     assert set(make_urdfs.robots()) == set(URDFS)
     assert make_urdfs.urdf(make_urdfs.robots()[name]).encode() == (ROOT / "urdf" / name).read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("name", "document"),
-    [
-        ("bleex.urdf", published.bleex),
-        ("bleex_identified.urdf", published.bleex),
-        ("cuhk.urdf", published.cuhk),
-    ],
-)
-def test_every_assumed_number_stands_in_the_files_comment_and_in_the_documentation(name, document):
-    text = (ROOT / "urdf" / name).read_text(encoding="utf-8")
-    comment = text[text.index("<!--") : text.index("-->")]
-    section = (ROOT / "docs" / "legs.md").read_text(encoding="utf-8").split(f"\n### {document().robot}\n")[1]
-    rows = dict(re.findall(r"^\| `(\w+)` \| (.+) \|$", section.split("\n### ")[0], flags=re.MULTILINE))
-    assert set(rows) == set(document().assumptions)
-    for key, assumption in document().assumptions.items():
-        value = f"{assumption.value!r} {assumption.unit}".removesuffix(" 1")
-        assert rows[key] == f"{value} | {assumption.reason}"
-        assert f"  {key} = {value}: {assumption.reason}\n" in comment

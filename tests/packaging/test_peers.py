@@ -1,7 +1,6 @@
 """The comparison with other tools: its judgement reads models rightly, and the page states what the scripts have."""
 
 import importlib
-import re
 import sys
 from pathlib import Path
 
@@ -58,19 +57,3 @@ def test_rows_near_a_reversal_are_found(scripts):
     for joint, turn in enumerate(turns):
         assert near[np.abs(time - turn) < 0.08, joint].all()
         assert not near[np.abs(time - turn - 0.5) < 0.2, joint].any()
-
-
-def test_the_page_counts_the_lines_of_the_scripts(scripts):
-    _, compare, _ = scripts
-    page = PAGE.read_text(encoding="utf-8")
-    for peer, name in compare.PEERS.items():
-        stated = re.findall(rf"^\| {re.escape(compare.TITLES.get(peer, name))} [\d.]+ \| (\d+) \|", page, re.MULTILINE)
-        assert stated, peer
-        assert set(map(int, stated)) == {compare.lines(peer)}
-
-
-def test_the_page_names_the_versions_of_the_requirements():
-    page = PAGE.read_text(encoding="utf-8")
-    for line in (FOLDER / "requirements.txt").read_text(encoding="utf-8").splitlines():
-        if found := re.match(r"([\w-]+)(?:\[\w+\])?==([\d.]+)", line):
-            assert found[2] in page, line

@@ -36,11 +36,6 @@ def found_in(source):
         yield from names
 
 
-def test_the_search_finds_what_it_is_for():
-    source = 'import resource, os\nfrom fcntl import flock\nos.fork()\nx = np.longdouble(1)\nopen("/proc/self/statm")\n'
-    assert sorted(found_in(source)) == ["/proc", "fcntl", "fork", "longdouble", "resource"]
-
-
 def test_what_one_system_has_is_used_in_one_place():
     uses = {
         (path.relative_to(PACKAGE).as_posix(), name)

@@ -105,12 +105,3 @@ def test_the_index_page_turns_relative_links_into_text():
     assert "leg.png" not in shown
     assert "logs (`docs/logs.md`),\n`docs/limits.md`, [pin](https://example.org/a(b))" in shown
     assert "Python and pip" in shown
-
-
-def test_the_index_page_installs_from_the_index():
-    pytest.importorskip("hatchling")
-    page = runpy.run_path(str(ROOT / "hatch_build.py"))["index_page"]
-    shown = page((ROOT / "README.md").read_text(encoding="utf-8"), exoid.__version__)
-    assert "pip install exoid" in shown
-    assert not re.search(r"pip install \.\s|copy of this repository", shown)
-    assert all(link.startswith("https://") for link in re.findall(r"\]\(([^)]*)\)", shown))

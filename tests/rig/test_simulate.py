@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from planar_chains import random_chain
-from rigs import BLEEX, EVERYTHING, FRICTION, POSE, Swing
+from rigs import BLEEX, EVERYTHING, FRICTION, Swing
 
 import exoid
 from exoid import ExoidError, Leg
@@ -147,23 +147,4 @@ def test_a_rig_obeys_its_own_inverse_dynamics():
     assert error.max() < 0.05  # in the one step after each jump of the command, of tens of N·m
 
 
-def test_the_energy_error_of_a_rig_at_rest_is_zero():
-    held = run(Plant.build(BLEEX, {f"c0_{x}": 500.0 for x in ("hip", "knee", "ankle")}), reference=Hold(POSE))
-    np.testing.assert_array_equal(held.energy.relative_error, 0.0)
-
-
-def test_progress_is_reported_from_zero_to_one():
-    told = []
-    run(progress=told.append)
-    assert told == sorted(told)
-    assert (told[0], told[-1]) == (0.0, 1.0)
-
-
 # ---------------------------------------------------------------------------------------------- plant
-
-
-def test_repeat_copies_rig_by_rig_and_take_selects():
-    two = Plant.build(BLEEX, pitch=[0.1, 0.2])
-    np.testing.assert_array_equal(two.repeat(3).pitch, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2])
-    np.testing.assert_array_equal(two.repeat(3).take([1, 4]).pitch, [0.1, 0.2])
-    assert two.repeat(3).take(slice(3, None)).count == 3

@@ -11,8 +11,7 @@ from walking import IMU, Walk
 
 import exoid
 from exoid import BaseMotion, ExoidError, Recording
-from exoid.signals import Column, FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_cutoff
-from exoid.signals.base_motion import BASE_COLUMNS
+from exoid.signals import FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_cutoff
 from exoid.signals.moving_base import base_during
 
 LEG = exoid.load_leg("cuhk")
@@ -109,34 +108,6 @@ def test_a_csv_log_keeps_the_base_and_where_its_sensor_is(tmp_path):
     assert np.array_equal(read.base.columns, recording.base.columns)
     assert np.array_equal(read.base.position, IMU)
     assert not Recording.from_csv(tmp_path / "walk.csv", base_position=(0.0, 0.0, 0.0)).base.position.any()
-
-
-def test_other_formats_have_the_base_as_columns_or_matrices(tmp_path):
-    recording = walk().recording()
-    base = {"base_gyro": recording.base.angular_velocity, "base_acc": recording.base.specific_force}
-    joints = {"q": recording.q, "joint_names": np.array(recording.joint_names)}
-    np.savez(tmp_path / "walk.npz", time=recording.time, **joints, **base)
-    read = Recording.from_file(tmp_path / "walk.npz", base_position=IMU)
-    assert np.array_equal(read.base.columns, recording.base.columns)
-    assert np.array_equal(read.base.position, IMU)
-    names = ["time", *(f"q_{joint}" for joint in recording.joint_names), *BASE_COLUMNS]
-    table = np.column_stack([recording.time, recording.q, recording.base.columns])
-    write_columns(tmp_path / "walk.parquet", **dict(zip(names, table.T, strict=True)))
-    assert np.array_equal(Recording.from_file(tmp_path / "walk.parquet").base.columns, recording.base.columns)
-
-
-def test_columns_may_have_other_headers_units_and_signs(tmp_path):
-    recording = walk().recording()
-    base = recording.base.columns
-    logged = np.column_stack([recording.time, recording.q, np.rad2deg(base[:, :3]), base[:, 3:] / 9.80665])
-    logged[:, 4] *= -1.0
-    names = ["time", "q_left_hip", "q_left_knee", "gx", "gy", "gz", "ax", "ay", "az"]
-    write_columns(tmp_path / "log.csv", **dict(zip(names, logged.T, strict=True)))
-    columns = {f"base_gyro_{axis}": Column(f"g{axis}", unit="deg/s") for axis in "xz"}
-    columns |= {f"base_acc_{axis}": Column(f"a{axis}", unit="g") for axis in "xyz"}
-    columns["base_gyro_y"] = Column("gy", scale=-1.0, unit="deg/s")
-    read = Recording.from_csv(tmp_path / "log.csv", columns=columns)
-    assert np.allclose(read.base.columns, base, atol=1e-12)
 
 
 def test_a_log_may_have_the_pose_of_the_base(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from log_writers import write_columns
 
-from exoid import ExoidError, Recording, Recordings
+from exoid import ExoidError, Recording
 from exoid.signals import Column
 
 T = np.arange(40) / 100.0
@@ -96,13 +96,6 @@ def test_one_header_may_be_current_and_torque_of_a_joint_and_nothing_else(raw):
     np.testing.assert_allclose(log.tau, 0.1 * log.current, rtol=1e-12)
     with pytest.raises(ExoidError, match="is to be read as q_hip and v_hip"):
         Recording.from_file(raw, columns={**BASE, "v_hip": "enc"})
-
-
-def test_arrays_and_folders_take_columns_with_units(tmp_path):
-    np.savez(tmp_path / "log.npz", stamp=1000.0 * T, enc=np.rad2deg(Q))
-    columns = {"time": Column.from_text("stamp:ms"), "q_hip": Column("enc[0]", unit="deg")}
-    (log,) = Recordings.from_folder(tmp_path, columns=columns)
-    np.testing.assert_allclose(log.q, Q[:, :1], rtol=1e-12)
 
 
 # --- files without a header line -----------------------------------------------------------------------------------

@@ -48,14 +48,6 @@ def test_joints_come_from_the_angle_columns_in_the_order_of_the_file(log):
     assert recording.a is None
 
 
-def test_columns_map_foreign_headers(log):
-    lines = ["t,pos1,trq1,time,mode", *(f"{0.01 * k},{0.1 * k},{k},now,idle" for k in range(12))]
-    recording = Recording.from_csv(log(lines), columns={"time": "t", "q_hip": "pos1", "tau_hip": "trq1"})
-    assert recording.joint_names == ("hip",)
-    np.testing.assert_array_equal(recording.time, [0.01 * k for k in range(12)])
-    assert recording.tau[5, 0] == 5.0
-
-
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["plain", "BOM"])
@@ -77,12 +69,6 @@ def test_delimiters_line_endings_and_byte_order_marks_do_not_matter(log, delimit
     assert recording.joint_names == plain.joint_names
     for name in ("time", "q", "tau"):
         np.testing.assert_array_equal(getattr(recording, name), getattr(plain, name))
-
-
-def test_a_header_in_a_comment_line_is_understood(log):
-    recording = Recording.from_csv(log(["# a log", f"# {HEADER}", *ROWS]))
-    assert recording.joint_names == ("hip", "knee")
-    assert len(recording) == 12
 
 
 def test_quoted_cells_are_read_and_quoted_text_in_other_columns_may_hold_delimiters(log):

@@ -177,19 +177,6 @@ def test_a_damaged_matlab_file_is_one_line_even_where_it_crashes_scipys_reader(c
     assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["log.mat", "log.parquet"])
-def test_the_libraries_that_can_crash_are_never_loaded_by_the_caller(kind, tmp_path):
-    WRITERS[kind](tmp_path / kind, swing())
-    code = (
-        "import sys, exoid; exoid.Recording.from_file(sys.argv[1]);"
-        "print([name for name in ('polars', 'scipy.io.matlab._mio5_utils') if name in sys.modules])"
-    )
-    command = [sys.executable, "-c", code, str(tmp_path / kind)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
-    assert done.stdout == "[]\n"
-
-
 # Files that fill the memory
 
 

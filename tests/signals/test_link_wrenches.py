@@ -121,13 +121,6 @@ def test_a_tilted_torso_stands_in_the_laboratory_where_its_kinematics_put_it(leg
     assert np.allclose(np.trace(root.rotation[0]), 1.0 + 2.0 * np.cos(0.2))
 
 
-def test_wrenches_in_link_axes_stay(leg):
-    link = leg.link_names[-1]
-    own = Wrench(np.ones((N, 3)), np.zeros((N, 3)), (0.1, 0.0, 0.0))
-    recording = dataclasses.replace(posed(leg), wrenches={link: own})
-    assert wrenches_on_links(leg, recording)[link] is own
-
-
 def test_links_that_the_leg_does_not_have_are_refused_by_name(leg):
     recording = posed(leg)
     own = Wrench(np.ones((N, 3)), np.zeros((N, 3)))

@@ -268,17 +268,6 @@ def test_fields_of_one_struct_among_other_variables_are_mapped_by_their_path(tmp
     np.testing.assert_array_equal(again.q, recording.q)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["npz", "mat"])
-def test_a_file_made_to_fill_the_memory_is_refused_before_it_does(kind, tmp_path):
-    path, zeros = tmp_path / f"log.{kind}", np.zeros((6_000_000, 2))
-    if kind == "npz":
-        np.savez_compressed(path, time=zeros[:, 0], q=zeros)
-    else:
-        scipy.io.savemat(path, {"time": zeros[:, 0], "q": zeros}, do_compression=True)
-    refused(path, "would become 144 MB in memory")
-
-
 # Bags
 
 

@@ -112,22 +112,6 @@ def test_upward_in_opensim_is_upward_here_and_right_is_minus_left(tmp_path):
     np.testing.assert_allclose(wrench.moment[0], [0.0, 0.0, 2.0], atol=1e-12)
 
 
-def test_the_work_of_a_force_is_the_same_in_both_axes(tmp_path):
-    """Power of force and free moment on a foot that moves: by Pinocchio here, by hand in OpenSim's axes."""
-    rng = np.random.default_rng(3)
-    force, point, moment = (rng.normal(size=(len(TIME), 3)) for _ in range(3))
-    write_opensim(tmp_path / "grf.mot", TIME, plate(force, point, moment))
-    wrench = read_opensim_forces(tmp_path / "grf.mot").wrenches["1"]
-    linear, angular = rng.normal(size=(2, 3))  # of the point at the laboratory's origin, in OpenSim's axes
-    turned = [np.array([v[0], -v[2], v[1]]) for v in (linear, angular)]
-    at_origin = wrench.about((0.0, 0.0, 0.0))
-    for k in range(0, len(TIME), 17):
-        f, p, m = (to_opensim(v[k : k + 1])[0] for v in (force, point, moment))
-        by_hand = f @ (linear + np.cross(angular, p)) + m @ angular
-        power = pin.Motion(*turned).dot(pin.Force(at_origin.force[k], at_origin.moment[k]))
-        assert power == pytest.approx(by_hand, rel=1e-10)
-
-
 def test_forces_are_brought_to_the_rate_of_the_motion(tmp_path):
     """1000 Hz onto 100 Hz: the wrench about the laboratory's origin is kept, though the point no longer moves."""
     fast = np.arange(2000) / 1000.0
@@ -215,16 +199,6 @@ def test_each_angle_of_the_pelvis_turns_it_as_in_opensim(tmp_path, angles, axis,
     np.testing.assert_allclose(pose.position[0], [0.0, 0.0, 0.9], atol=1e-12)
     turn = pin.Quaternion(*pose.quaternion[0][[3, 0, 1, 2]]).toRotationMatrix()
     np.testing.assert_allclose(turn[:, axis], direction, atol=1e-12)
-
-
-def test_angles_of_the_pelvis_follow_each_other_about_turned_axes(tmp_path):
-    """R = Rz(tilt) Rx(list) Ry(rotation), by Pinocchio's rotations about axes, turned such that z is up."""
-    pose = pelvis_of(tmp_path / "ik.mot", pelvis_columns(20.0, -35.0, 50.0))
-    tilt, list_, rotation = np.deg2rad([20.0, -35.0, 50.0])
-    opensim = pin.utils.rotate("z", tilt) @ pin.utils.rotate("x", list_) @ pin.utils.rotate("y", rotation)
-    up = pin.utils.rotate("x", np.pi / 2)
-    found = pin.Quaternion(*pose.quaternion[0][[3, 0, 1, 2]]).toRotationMatrix()
-    np.testing.assert_allclose(found, up @ opensim @ up.T, atol=1e-12)
 
 
 def test_a_trial_has_angles_the_motion_of_the_pelvis_and_wrenches(tmp_path):

@@ -2,7 +2,6 @@
 
 import os
 import stat
-import threading
 from pathlib import Path
 
 import pytest
@@ -74,26 +73,6 @@ def test_devices_pipes_and_circles_of_links_are_refused(write, tmp_path):
     assert (tmp_path / "device").is_symlink()
     os.close(master)
     os.close(slave)
-
-
-def test_threads_that_write_one_path_all_succeed(write, tmp_path):
-    errors: list[BaseException] = []
-
-    def work():
-        try:
-            for _ in range(100):
-                write(tmp_path / "file")
-        except BaseException as error:
-            errors.append(error)
-
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not errors
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-    assert (tmp_path / "file").read_text() == "new"
 
 
 @pytest.mark.parametrize("name", ["a\0b", "x" * 300])

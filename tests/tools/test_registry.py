@@ -39,20 +39,6 @@ def test_a_name_that_is_taken_is_refused_and_both_are_named():
     things.register("built-in", "ours")  # the same once more
 
 
-def test_a_class_that_is_defined_anew_replaces_the_old_one():
-    """As in a cell of a notebook that runs again; a function of another place does not."""
-    things = registry()
-    cell = "class Mine:\n    pass\ndef other():\n    pass"
-    first, second = {"__name__": "cell"}, {"__name__": "cell"}
-    exec(cell, first)
-    exec(cell, second)
-    things.register("mine", first["Mine"])
-    things.register("mine", second["Mine"])
-    assert things.find("mine") is second["Mine"]
-    with pytest.raises(ExoidError, match=r"exists: cell\.Mine.*give cell\.other another name"):
-        things.register("mine", second["other"])
-
-
 @pytest.mark.parametrize("name", ["", "a b", "a,b", "-a", "a/b", None, 3, refuse_empty])
 def test_what_cannot_be_a_name_is_refused(name):
     with pytest.raises(ExoidError, match=r"is no name for a thing.*exoid\.register_thing\(\"name\""):

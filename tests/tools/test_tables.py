@@ -47,13 +47,6 @@ def test_text_is_plain_and_fits():
     assert not any(line.endswith(" ") for line in text.splitlines())
 
 
-def test_a_notebook_gets_text_too_and_shows_nothing_by_itself(monkeypatch):
-    """In Jupyter, Rich would display the parts and leave the string empty."""
-    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
-    monkeypatch.setattr("rich.jupyter.display", lambda *_: pytest.fail("displayed"))
-    assert "longer" in to_text("title", make_table(("name", "value"), [("longer", "10.0")]))
-
-
 def test_a_table_in_html_has_the_caption_the_headers_and_the_cells():
     table = ET.fromstring(html_table(("name", "value"), iter([("a", "1.0"), ("b", "2.0")]), caption="two rows"))
     assert table.findtext("caption") == "two rows"

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -101,13 +100,6 @@ def test_torques_of_each_joint_have_separate_axes():
     assert inside(figure, axes[0])
 
 
-def test_the_style_lasts_no_longer_than_its_block():
-    before = mpl.rcParams["font.size"]
-    with paper():
-        assert mpl.rcParams["font.size"] == 8
-    assert mpl.rcParams["font.size"] == before
-
-
 def test_parameters_are_drawn_at_their_values_beside_cad(estimate):
     names = ["X1", "X2", "X3"]
     cad = dict(zip(estimate.names, 1.1 * estimate.values, strict=True))
@@ -120,13 +112,6 @@ def test_parameters_are_drawn_at_their_values_beside_cad(estimate):
     np.testing.assert_allclose(np.array(ends)[:, :, 0], estimate.interval()[[0, 3, 6]])
     assert [text.get_text() for text in ax.get_yticklabels()] == names
     assert inside(figure, ax)
-
-
-def test_parameters_of_several_units_are_refused(estimate):
-    with pytest.raises(exoid.ExoidError, match="several units"):
-        plot_parameters(Figure().add_subplot(), estimate, ["X1", "J1"])
-    with pytest.raises(exoid.ExoidError, match="no parameter 'Z1'"):
-        plot_parameters(Figure().add_subplot(), estimate, ["Z1"])
 
 
 def test_the_correlation_is_drawn_of_the_pairs_that_are_hard_to_separate(estimate):

@@ -162,12 +162,6 @@ def test_a_long_recording_is_drawn_by_a_few_thousand_points(swing):
     assert all(len(more.svg) < 1.5 * len(less.svg) for more, less in zip(thick, thin, strict=True))
 
 
-@pytest.mark.slow
-def test_the_same_estimate_gives_the_same_page(drawn, swing):
-    data, estimate = swing
-    assert identification_report(estimate, [data.train], [data.test]).html() == drawn.html()
-
-
 def test_a_table_explains_each_column_once_and_leaves_no_header_empty():
     table = DataTable("errors", ["controller", "± std", "± std"], [["pd", "1", "2"], ["", "3", "4"]])
     tree = check(Page("Errors", [], [Section("Tables", [table])]).html())

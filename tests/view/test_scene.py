@@ -1,7 +1,5 @@
 """A scene draws the leg where Pinocchio says it is, with its inertias and forces, whatever URDF it comes from."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -308,16 +306,6 @@ def test_notebooks_show_the_page_in_a_frame():
     assert '"' not in html.split('srcdoc="')[1].removesuffix('"></iframe>')
 
 
-@pytest.mark.slow
-def test_nothing_of_meshcats_server_is_imported():
-    program = (
-        "import sys, exoid; assert 'exoid.view' not in sys.modules\n"
-        "import exoid.view; exoid.view.scene(exoid.load_leg('bleex')).html()\n"
-        "print([name for name in ('meshcat', 'zmq', 'tornado', 'IPython') if name in sys.modules])"
-    )
-    assert subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout == "[]\n"
-
-
 # Errors
 
 
@@ -341,11 +329,6 @@ def test_a_urdf_in_millimetres_is_refused():
     text = exoid.load_leg("bleex").description.text.replace('radius="0.05"', 'radius="50"').replace("-0.43", "-430")
     with pytest.raises(ExoidError, match="too far to be drawn"):
         scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
-
-
-def test_the_same_leg_is_drawn_twice_if_given_twice():
-    leg = exoid.load_leg("cuhk")
-    assert len({path.split("/")[2] for path in mounts(scene(leg, leg))}) == 2
 
 
 def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, tmp_path, data):

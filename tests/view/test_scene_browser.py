@@ -14,7 +14,6 @@ from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
 from exoid.view.report.page import EmbeddedPage, Page, Section
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
-UNRESOLVED = "Failed to load resource: net::ERR_NAME_NOT_RESOLVED"
 
 LEGEND = 260
 """Pixels from the left that the legend may cover."""
@@ -109,16 +108,6 @@ def scrubbed(page, time):
     return page.screenshot()
 
 
-@pytest.mark.slow
-def test_a_page_can_start_at_a_time(browser, tmp_path, data):
-    scene(data.leg, recording=data.test).save(tmp_path / "leg.html")
-    with browser.page((tmp_path / "leg.html").as_uri() + "#t=2.5") as page:
-        page.wait_for(READY)
-        assert page.evaluate("window.exoid.viewer.animator.time") == 2.5
-        assert not page.evaluate("window.exoid.viewer.animator.playing")
-        assert page.evaluate("document.querySelector('#player output').textContent").startswith("2.50 s")
-
-
 def framed(scenes):
     """A page with scenes as elements, as in a notebook."""
     elements = "".join(each.iframe(400) for each in scenes)
@@ -149,19 +138,6 @@ def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
             shares = [(half.min(axis=-1) < 120).mean() for half in halves]
         assert min(shares) > 0.01
         assert_quiet(page, url)
-
-
-@pytest.mark.slow
-def test_errors_and_requests_within_a_frame_are_detected(browser, tmp_path):
-    """The tests above can fail."""
-    broken = EmbeddedPage("<script>console.error('lost'); fetch('http://example.com/b.js')</script>", "broken")
-    (tmp_path / "page.html").write_text(Page("x", [], [Section("y", [broken])]).html(), "utf-8")
-    with browser.page((tmp_path / "page.html").as_uri()) as page:
-        until = time.monotonic() + 30.0
-        while UNRESOLVED not in page.problems and time.monotonic() < until:
-            page.evaluate("1")
-        assert UNRESOLVED in page.problems
-        assert ["lost"] in page.problems
 
 
 @pytest.mark.slow

@@ -120,7 +120,7 @@ def _identify_side(side: str, data: Measurements) -> SideReplay:
     recordings = [recording for swings in data.swings for recording in swings]
     upright = data.upright.averaged
     joint = _joint_estimate(leg, data)
-    no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION)
+    no_tilt = identify(leg, [upright, *recordings], JOINT_TERMS, preparation=JOINT_PREPARATION, check=False)
     sequential = sequential_bleex(model, data.sets, upright, data.swings)
     truth, cad = truth_values(side), bleex_parameters("cad")
     models = {"sequential": sequential.as_dict(), "joint": named(joint.names, joint.values), "cad": cad, "truth": truth}

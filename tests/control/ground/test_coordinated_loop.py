@@ -122,8 +122,15 @@ def test_it_climbs_a_stair_without_hands(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wearer", [PASSIVE, HEALTHY], ids=["passive", "healthy"])
-@pytest.mark.parametrize(("name", "start", "end"), [("rise", "sit", "stand"), ("sit", "stand", "sit")])
+@pytest.mark.parametrize(
+    ("name", "start", "end", "wearer"),
+    [
+        ("rise", "sit", "stand", PASSIVE),
+        ("sit", "stand", "sit", HEALTHY),
+        pytest.param("rise", "sit", "stand", HEALTHY, marks=pytest.mark.nightly),
+        pytest.param("sit", "stand", "sit", PASSIVE, marks=pytest.mark.nightly),
+    ],
+)
 def test_it_rises_and_sits_with_a_hand_on_a_rail(machine, name, start, end, wearer):
     """No contact but the rail is measured; a share that is given belongs to a foot on the ground."""
     loop = loop_of(machine, {0.0: name}, start)

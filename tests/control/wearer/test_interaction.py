@@ -1,7 +1,6 @@
 """The torque of the wearer is what joints need and actuators do not give; its band holds the truth."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -202,28 +201,6 @@ def test_a_foot_on_the_ground_needs_a_measured_wrench():
     found = exoid.interaction(estimate, recording)
     assert found.worn
     assert nrmse(found.torque, filtered(estimate, recording, truth, found.time)).max() < 0.2
-
-
-def test_json_csv_and_text(estimate, worn, tmp_path):
-    found = exoid.interaction(estimate, worn[1])
-    data = json.loads(json.dumps(found.to_json()))
-    assert data["worn"] is True
-    for name, figures in data["joints"].items():
-        assert {"rms", "peak", "outside_band"} <= set(figures)
-        column = found.torque[:, found.joint_names.index(name)]
-        assert figures["peak"] == np.abs(column).max() >= figures["rms"] > 0.0
-        assert 0.5 < figures["outside_band"] <= 1.0
-    found.to_csv(tmp_path / "torque.csv")
-    lines = (tmp_path / "torque.csv").read_text().splitlines()
-    header = lines[1].split(",")
-    table = np.array([line.split(",") for line in lines[2:]], dtype=float)
-    n = len(found.joint_names)
-    assert header[: 1 + n] == ["time", *(f"interaction_{name}" for name in found.joint_names)]
-    assert np.array_equal(table[:, 1 : 1 + n], found.torque)
-    assert np.array_equal(table[:, 1 + n : 1 + 2 * n], found.band)
-    assert "worn: something acts on" in str(found)
-    assert "<table" in found._repr_html_()
-    assert "worn" in repr(found)
 
 
 LOGS = {

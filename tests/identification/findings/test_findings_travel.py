@@ -27,13 +27,6 @@ def test_a_doubtful_parameter_is_at_best_weakly_determined(late_estimate):
     assert set(exoid.identify(leg, log).identifiability) == {"well"}
 
 
-def test_checks_can_be_left_out():
-    leg, log = clean()
-    without = exoid.identify(leg, late(log, 0.02, range(3)), check=False)
-    assert without.findings == ()
-    assert without.evidence.ranges is None
-
-
 def test_checks_do_not_change_the_values():
     leg, log = clean()
     np.testing.assert_array_equal(exoid.identify(leg, log).values, exoid.identify(leg, log, check=False).values)
@@ -101,13 +94,6 @@ def test_findings_survive_json_and_are_ordered():
     assert records(Finding, json.loads(json.dumps(json_value((info, error))))) == (info, error)
     assert ordered((info, error)) == (error, info)
     assert str(error) == "error: dropout at hip in a.csv: m; r"
-
-
-def test_a_finding_needs_numbers_and_a_severity():
-    with pytest.raises(exoid.ExoidError, match="severity"):
-        Finding("dropout", "hip", np.nan, "1", "error", "m", "r")
-    with pytest.raises(exoid.ExoidError, match="severity"):
-        Finding("dropout", "hip", 1.0, "1", "fatal", "m", "r")
 
 
 @pytest.mark.parametrize(("quantity", "all_joints"), [("tau", False), ("q", True)])

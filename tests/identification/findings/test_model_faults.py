@@ -123,15 +123,3 @@ def test_a_shared_factor_of_torque_and_model_changes_no_finding():
     one, two = exoid.check(leg, bad), exoid.check(other, dataclasses.replace(bad, tau=2.0 * bad.tau))
     assert [(f.kind, f.joint) for f in one] == [(f.kind, f.joint) for f in two]
     assert [f.value for f in one] == pytest.approx([f.value for f in two], rel=1e-3)
-
-
-def test_columns_in_another_order_change_no_finding():
-    leg, log = clean()
-    bad = late(log, 0.01, [1])
-    assert exoid.check(leg, bad.select(leg.joint_names[::-1])) == exoid.check(leg, bad)
-
-
-def test_known_parameters_stay_known():
-    leg, log = clean()
-    found = exoid.check(leg, late(log, 0.02, range(3)), known={"X1": leg.parameters[0]})
-    assert "X1" not in of_kind(found, "torque-delay").parameters

@@ -69,21 +69,6 @@ def test_samples_of_halves_that_overlap_count_once(overlap):
     assert np.mean(found.std / exoid.identify(leg, log).std) > 0.97  # 0.87 if a third of the samples counted twice
 
 
-def test_a_part_of_another_recording_adds_nothing():
-    leg, log = clean()
-    whole = exoid.identify(leg, log)
-    found = exoid.identify(leg, [log, log.slice(500, 1500)])
-    np.testing.assert_array_equal(found.covariance, whole.covariance)
-    assert len(found.inputs) == 1
-
-
-def test_segments_of_one_log_that_do_not_overlap_are_not_the_same():
-    leg, log = clean()
-    half = log.time[len(log) // 2]
-    parts = [log.segments([(log.time[0], half)]), log.segments([(half, log.time[-1])])]
-    assert exoid.identify(leg, parts).findings == ()
-
-
 def test_recordings_on_disk_that_overlap_make_all_parameters_doubtful(tmp_path):
     """They are not kept in memory to mask their samples."""
     leg, log = clean()

@@ -6,7 +6,6 @@ from functools import partial
 import pytest
 
 from exoid import reproduce
-from exoid.errors import ExoidError
 
 SHORT = reproduce.Extent(duration=5.0, poses=20)
 
@@ -58,18 +57,3 @@ def test_a_bad_folder_is_refused_before_anything_runs(document, command, tmp_pat
     assert err.startswith("exoid: ")
     assert err.count("\n") == 1
     assert (tmp_path / "file").read_text() == "mine"
-
-
-@pytest.mark.parametrize("arguments", [("other",), ("bleex", "--seed", "-1"), ("bleex", "--seed", "x")])
-def test_bad_usage_ends_with_status_2(arguments, command):
-    assert command(*arguments)[0] == 2
-
-
-def test_no_replicates_are_refused():
-    for replay in (reproduce.reproduce_bleex, reproduce.reproduce_cuhk):
-        with pytest.raises(ExoidError, match="at least one"):
-            replay(0, replicates=0)
-    with pytest.raises(ExoidError, match="at least one pose"):
-        reproduce.reproduce_bleex(extent=reproduce.Extent(poses=0))
-    with pytest.raises(ExoidError, match="measure longer"):
-        reproduce.reproduce_cuhk(duration=-1.0)

@@ -248,13 +248,6 @@ def test_settings_that_make_no_sense_are_refused(wearer):
     assert WornLoop.of([pd(1.0, 0.1)], np.zeros(1), None, POSE[None], 0).laws[0].N.shape == (1, 0, 0)
 
 
-def test_the_result_is_json(wearer):
-    data = largest_amplification(heavier(1.1), truth=MODEL, wearer=wearer, law=AMPLIFIED, poses=POSE).to_json()
-    assert data["largest"] > 1.0
-    assert data["drawn"] is False
-    assert data["draws"] == 1
-
-
 def _begun_memory(law, q, v):
     """Numbers of the memory that a controller begins with, and no last torque if nothing depends on it."""
     state = State(q, v, interaction=np.zeros(2))

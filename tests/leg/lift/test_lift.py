@@ -311,11 +311,6 @@ def with_masses(text, factor):
     return etree.tostring(root, encoding="unicode")
 
 
-def test_possible_links_are_not_repaired(built_in_leg):
-    own = dynamic_parameters(built_in_leg.model)
-    np.testing.assert_array_equal(make_consistent(own), own)
-
-
 def test_pseudo_inertias_are_pinocchios():
     rng = np.random.default_rng(6)
     bodies = [pin.Inertia.Random() for _ in range(5)]

@@ -46,10 +46,6 @@ def test_table_iii_of_document_2_is_no_leg():
     assert "shank: its centre of mass is on the wrong side of its joint (X2 = -0.602" in str(found)
 
 
-def test_every_built_in_leg_is_physical(built_in_leg):
-    assert check_physical(built_in_leg, built_in_leg.parameters)
-
-
 @given(planar_chains())
 def test_every_leg_made_of_point_masses_is_physical(chain: PlanarURDF):
     for cumulative in (True, False):

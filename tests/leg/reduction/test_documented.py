@@ -51,16 +51,6 @@ def test_random_chains_have_three_parameters_a_joint_neither_more_nor_fewer(cumu
         assert np.linalg.matrix_rank(both, tol=1e-7 * np.linalg.norm(both, 2)) == 3 * n
 
 
-def test_the_regressors_own_rank_says_the_same():
-    """By singular values of the closed form's columns, with no reduction in between."""
-    rng = np.random.default_rng(2)
-    for length in range(1, 6):
-        leg = random_chain(rng, length).leg()
-        W = leg.regressor(*random_motion(rng, length, 100)).reshape(-1, 3 * length)
-        sigma = np.linalg.svd(W / np.linalg.norm(W, axis=0), compute_uv=False)
-        assert sigma[-1] > 1e-4 * sigma[0]
-
-
 def test_the_two_definitions_of_j_differ_by_the_j_below(built_in_leg):
     legs = [
         Leg.from_description(built_in_leg.description, built_in_leg.joint_names, cumulative=c) for c in (True, False)
@@ -93,9 +83,3 @@ def test_adjusted_link_parameters_have_the_wanted_reduction_and_the_old_masses()
     np.testing.assert_allclose(leg.reduction.parameters(after), wanted, atol=1e-13)
     np.testing.assert_array_equal(after[::10], before[::10])
     np.testing.assert_allclose(leg.reduction.adjust(before, leg.parameters), before, atol=1e-14)
-
-
-def test_names_and_units_go_segment_by_segment_from_the_torso():
-    reduction = random_chain(np.random.default_rng(6), 4).leg().reduction
-    assert reduction.names == tuple(f"{s}{j}" for j in (1, 2, 3, 4) for s in "XYJ")
-    assert reduction.units == ("kg·m", "kg·m", "kg·m²") * 4

@@ -1,8 +1,5 @@
 """Numeric base parameters of robots that are not planar legs."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -225,19 +222,6 @@ def test_names_are_unique_and_each_begins_with_the_parameter_that_stands_for_the
 def test_names_of_a_planar_leg_do_not_depend_on_the_random_motions():
     model = exoid.load_leg("bleex").model
     assert len({numeric(model, labels(3), seed=seed).names for seed in range(10)}) == 1
-
-
-def test_names_are_the_same_in_another_process():
-    joints = CASES["panda"][0]
-    program = (
-        "import sys, exoid\n"
-        "leg = exoid.Leg.from_urdf(sys.argv[1], joints=sys.argv[2:])\n"
-        "sys.stdout.buffer.write('\\n'.join(leg.parameter_names).encode())"
-    )
-    command = [sys.executable, "-c", program, str(urdf_of("panda")), *joints]
-    there = subprocess.run(command, check=True, capture_output=True).stdout.decode()
-    here = Leg.from_urdf(urdf_of("panda"), joints=joints).parameter_names
-    assert there.split("\n") == list(here)
 
 
 def test_a_link_and_a_fixed_joint_may_share_a_name():

@@ -98,23 +98,6 @@ def test_one_sample_may_come_without_its_axis(leg):
     np.testing.assert_array_equal(leg.regressor(q[0], v[0], a[0]), leg.regressor(q, v, a))
 
 
-def test_each_column_is_contiguous_in_memory():
-    W = exoid.load_leg("bleex").regressor(*np.zeros((3, 5000, 3)))
-    for joint in range(3):
-        for column in range(9):
-            assert W[:, joint, column].flags.c_contiguous
-
-
-def test_arguments_are_left_as_they_were_and_may_lie_in_memory_anyhow(leg):
-    q, v, a = random_motion(np.random.default_rng(7), 3, 5000)
-    copies = [x.copy() for x in (q, v, a)]
-    W = leg.regressor(q, v, a)
-    for x, copy in zip((q, v, a), copies, strict=True):
-        np.testing.assert_array_equal(x, copy)
-    scattered = [np.repeat(np.asfortranarray(x), 2, axis=0)[::2] for x in (q, v, a)]
-    np.testing.assert_array_equal(leg.regressor(*scattered), W)
-
-
 # -------------------------------------------------------------------------------------- large angles
 
 

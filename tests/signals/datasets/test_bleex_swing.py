@@ -25,14 +25,6 @@ def script():
     return module
 
 
-def assert_made(recording, again, script):
-    """Angles to two encoder counts, torques to what two counts do through the controller's stiffness."""
-    count = script.ENCODER_COUNT
-    np.testing.assert_allclose(again.time, recording.time[: len(again)], atol=1e-9)
-    np.testing.assert_allclose(again.q, recording.q[: len(again)], atol=2.0 * count)
-    np.testing.assert_allclose(again.tau, recording.tau[: len(again)], atol=2.0 * count * script.STIFFNESS.max())
-
-
 @pytest.mark.parametrize(("part", "seed"), [("train", 1), ("test", 2)])
 def test_the_files_begin_as_the_script_makes_them(data, script, part, seed, monkeypatch):
     """The first second and a half, without the noise, which depends on how many samples are drawn."""
@@ -42,24 +34,6 @@ def test_the_files_begin_as_the_script_makes_them(data, script, part, seed, monk
     error = again.tau - recording.tau[: len(again)]
     np.testing.assert_allclose(error.std(axis=0), [0.3, 0.2, 0.1], rtol=0.2)
     assert (np.abs(error.mean(axis=0)) < 4.0 * np.array([0.3, 0.2, 0.1]) / np.sqrt(len(again))).all()
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize(("part", "seed", "duration"), [("train", 1, 30.0), ("test", 2, 15.0)])
-def test_the_files_are_what_the_script_makes(data, script, part, seed, duration):
-    recording = getattr(data, part)
-    again = script.record(seed, duration)
-    assert len(again) == len(recording)
-    assert_made(recording, again, script)
-
-
-def test_what_the_docstring_says_of_the_example_is_so(data):
-    assert data.leg.joint_names == data.train.joint_names == data.test.joint_names
-    assert [(len(r), r.sample_rate) for r in (data.train, data.test)] == [(3000, 100.0), (1500, 100.0)]
-    assert data.train.v is None
-    assert data.train.a is None
-    cad = list(published.bleex_parameters("cad").values())
-    np.testing.assert_allclose(data.leg.parameters, cad, rtol=1e-9)
 
 
 def test_intervals_of_three_standard_deviations_contain_the_published_parameters(estimate):

@@ -1,16 +1,13 @@
 """A real machine: the DFKI double pendulum, 48 s to identify from and 25 s that the estimate has not seen."""
 
 import dataclasses
-import shutil
 from pathlib import Path
 
 import numpy as np
-import pooch
 import pytest
 
 import exoid
 from exoid.signals import ZeroPhase
-from exoid.signals.datasets import dfki
 
 PUBLISHED = {
     "1.0": {
@@ -65,19 +62,6 @@ def published_nrmse(data, model):
     torque += np.array(p["b"]) * v + np.array(p["cf"]) * np.arctan(100.0 * v)
     predicted, measured = (preparation.filter(x, rate)[valid] for x in (torque, data.test.tau))
     return np.sqrt(((measured - predicted) ** 2).mean(axis=0)) / measured.std(axis=0)
-
-
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_the_parts_are_the_published_split(data):
-    assert data.leg.joint_names == data.train.joint_names == ("shoulder", "elbow")
-    assert data.train.time[-1] == pytest.approx(48.343, abs=0.006)
-    assert data.test.time[0] > data.train.time[-1]
-    assert data.train.duration + data.test.duration == pytest.approx(75.0, abs=2.0)
-    assert data.train.is_uniform
-    assert data.test.is_uniform
-    assert data.train.v is None
-    assert data.train.source.sha256 == dfki.LOG.sha256
-    assert "BSD-3-Clause" in data.citation
 
 
 @pytest.mark.real_data("dfki_double_pendulum")
@@ -141,22 +125,3 @@ def test_the_estimate_is_a_leg_that_could_exist(data, estimate):
     p = PUBLISHED["1.0"]
     assert estimate.value("X1") == pytest.approx(p["m"][0] * p["r"][0] + p["m"][1] * p["l"][0], rel=0.15)
     assert estimate.value("X2") == pytest.approx(p["m"][1] * p["r"][1], rel=0.15)
-
-
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_leaving_out_the_rotor_must_cost_accuracy(data, estimate):
-    """Torque is that of the motors: a model without rotor inertia predicts the elbow worse."""
-    without = exoid.identify(data.leg, data.train, terms=(exoid.Coulomb(), exoid.Viscous(), exoid.Offset()))
-    ours = exoid.validate(estimate, data.test).nrmse
-    assert (exoid.validate(without, data.test).nrmse > ours).any()
-
-
-@pytest.mark.real_data("dfki_double_pendulum")
-def test_the_kept_file_is_used_without_a_network(data, tmp_path, monkeypatch):
-    """From $EXOID_DATA_DIR, and nothing is fetched."""
-    kept = tmp_path / "dfki_double_pendulum"
-    kept.mkdir()
-    shutil.copy(dfki.LOG.path(), kept / Path(dfki.LOG.file).name)
-    monkeypatch.setenv("EXOID_DATA_DIR", str(tmp_path))
-    monkeypatch.setattr(pooch, "retrieve", lambda *_, **__: pytest.fail("fetched"))
-    assert len(exoid.datasets.dfki_double_pendulum().train) == len(data.train)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid import ExoidError
 
 AUTHORS = {"inner": (4.321897e-3, 5.452402e-3, 1.403128e-3), "outer": (4.374847e-3, 4.722823e-3, 2.158321e-3)}
 """J [kg·m²], Kc [N·m] and Kv [N·m·s/rad] that the authors identified, as in their files times 1e-3."""
@@ -39,17 +38,3 @@ def test_a_command_that_stands_still_is_reported():
     data = exoid.datasets.sydney_swing_leg("inner")
     kinds = {finding.kind for finding in exoid.identify(data.leg, data.train).findings}
     assert {"saturation", "stuck-channel"} <= kinds
-
-
-@pytest.mark.real_data("sydney_swing_leg")
-@pytest.mark.real_data("sydney_swing_leg", "outer")
-def test_the_command_line_knows_both_legs(exoid_):
-    for name in ("sydney_swing_leg", "sydney_swing_leg_outer"):
-        done = exoid_("identify", name, f"{name}:train", "--no-check", "--test", f"{name}:test")
-        assert done.code == 0, done.err
-        assert "J1" in done.out
-
-
-def test_there_are_two_legs():
-    with pytest.raises(ExoidError, match="no swing leg 'third'"):
-        exoid.datasets.sydney_swing_leg("third")

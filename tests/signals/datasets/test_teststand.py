@@ -26,17 +26,6 @@ def static_torque(data, force):
 
 
 @pytest.mark.real_data("teststand_leg")
-def test_halves_and_force_are_of_the_whole_recording(data):
-    assert data.leg.joint_names == ("HFE", "KFE")
-    assert len(data.recording) == len(data.force) == 23_372
-    assert data.recording.sample_rate == pytest.approx(1000.0)
-    assert len(data.train) + len(data.test) == len(data.recording)
-    assert data.test.time[0] == pytest.approx(data.train.time[-1] + 1e-3)
-    assert not data.force.flags.writeable
-    assert "array" not in repr(data)
-
-
-@pytest.mark.real_data("teststand_leg")
 def test_the_force_is_one_on_the_foot_in_the_axes_of_the_root_link(data):
     """With any sign of x or z reversed, the static torque explains less of the measured one."""
     tau = zero_phase(data.recording.tau, 1000.0, 5.0)[::50]

@@ -22,7 +22,7 @@ def friction(v):
     return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
-def logs(exo, seed=0, seconds=20.0) -> list[Standing]:
+def logs(exo, seed=0, seconds=15.0) -> list[Standing]:
     """Squats on both feet, and each leg swinging while the other stands."""
     options = {"seconds": seconds, "noise": NOISE, "encoder": ENCODER, "friction": friction}
     each = [standing(exo, feet, seed=3 * seed + k, **options) for k, feet in enumerate(("both", "left", "left"))]
@@ -59,7 +59,7 @@ def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
 def test_the_report_says_which_links_rested(estimate):
     assert [support.name for support in estimate.supports] == ["left_foot and right_foot", "left_foot", "right_foot"]
     assert "loop_1" in str(estimate)
-    np.testing.assert_allclose([support.seconds for support in estimate.supports], 20.0)
+    np.testing.assert_allclose([support.seconds for support in estimate.supports], 15.0)
 
 
 def test_the_estimate_survives_a_file(estimate, tmp_path):
@@ -392,7 +392,7 @@ def test_delays_are_looked_for_in_long_recordings(exo):
     """Rows of long recordings come in blocks, and those that are kept in one."""
     options = {"rate": 500.0, "noise": NOISE, "encoder": ENCODER, "friction": friction}
     late = []
-    for k, (feet, seconds) in enumerate((("left", 70.0), ("both", 10.0), ("left", 10.0))):
+    for k, (feet, seconds) in enumerate((("left", 36.0), ("both", 10.0), ("left", 10.0))):
         log = standing(exo, feet, seconds=seconds, seed=60 + k, **options)
         log = mirrored(log) if k == 2 else log
         base = BaseMotion(log.base.angular_velocity, log.base.specific_force, calibrated=True)
