@@ -84,6 +84,16 @@ def machine(name: str) -> Machine:
     return Machine(Plant.build(leg, CUHK, end_stops=False), leg, terms, centre, amplitude, np.array([0.5, 0.3]))
 
 
+def true_values(one: Machine, names: tuple[str, ...]) -> Array:
+    """True values of the parameters of an estimate; the rotor of CUHK-EXO's hip is part of its J1."""
+    friction = CUHK if "Ia_knee" in names else published.bleex_resistances("left")
+    rigid = zip(one.plant.leg.parameter_names, one.plant.parameters[:, 0].tolist(), strict=True)
+    known = {**friction, **dict(rigid)}
+    if "Ia_hip" in known and "Ia_hip" not in names:
+        known["J1"] += known["Ia_hip"]
+    return np.array([known.get(name, 0.0) for name in names])
+
+
 @dataclass(frozen=True)
 class GravitySupport:
     """Exoskeleton that carries its own weight by a model, and is moved by the wearer.
