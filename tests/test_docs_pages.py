@@ -1,7 +1,6 @@
 """Pages of the docs are true: their Python and their commands run as they stand, and print what the page shows.
 
 Every page runs at night in an interpreter of its own, which has imported nothing; short ones also with the slow tests.
-test_shown_commands.py makes sure that no command is left out.
 """
 
 import re

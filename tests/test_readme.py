@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run_commands, shell_commands
+from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run_commands
 
 import exoid
 
@@ -55,16 +55,6 @@ def test_the_commands_run(block, folder):
 def test_all_output_that_is_shown_is_tested():
     assert len(PAGE.shown) == 1
     assert len(COMMANDS) == 6
-
-
-def test_the_first_block_installs_and_draws_the_readers_leg():
-    assert shell_commands(SHOWN[0]) == ["pip install '.[view]'", "exoid view my_leg.urdf"]
-
-
-def test_one_line_replays_the_documents_and_one_runs_the_tests():
-    lines = [line.partition("  ")[0] for block in SHOWN for line in block.splitlines()]
-    assert "pip install . && exoid reproduce bleex" in lines
-    assert "pip install '.[test]' && pytest" in lines
 
 
 def test_every_parameter_is_in_the_table(data):

@@ -186,9 +186,3 @@ def test_validate_against_a_constant_torque_prints_json_that_is_json(exoid_, dat
     write(tmp_path / "log.csv", Recording(data.test.time, data.test.q, tau=tau, joint_names=data.leg.joint_names))
     run = exoid_("validate", saved, "log.csv", "--json")
     assert json.loads(run.out, parse_constant=pytest.fail)["nrmse"] == [None, None, None]
-
-
-# ------------------------------------------------------------------------------------------- usage
-
-
-# ------------------------------------------------------------------------------------------- as a process

@@ -82,15 +82,6 @@ def test_each_verb_writes_its_figures_in_the_width_of_a_column_or_two(verb, run,
         assert len(labels) >= (2 if name not in ("parameters", "correlation", "comparison") else 1), name
 
 
-@pytest.mark.slow
-def test_the_same_command_writes_the_same_bytes(run, tmp_path):
-    for folder in ("a", "b"):
-        run("compare est.json other.json", "--figures", tmp_path / folder)
-    for form in ("pdf", "svg"):
-        first, second = ((tmp_path / folder / f"comparison.{form}").read_bytes() for folder in ("a", "b"))
-        assert first == second
-
-
 @pytest.mark.parametrize("verb", VERBS)
 def test_a_file_as_the_folder_is_refused_before_the_work_and_stays(verb, run, tmp_path, monkeypatch):
     monkeypatch.setattr("exoid.Recording.from_file", lambda *_, **__: pytest.fail("the work began"))
@@ -119,19 +110,3 @@ def test_with_own_there_are_no_figures_and_no_folder(run, tmp_path):
     assert code == 2
     assert "--figures has no effect: with --own each log has an estimate" in err
     assert not (tmp_path / "new").exists()
-
-
-@pytest.mark.slow
-def test_validate_writes_a_report_of_what_it_prints(run, tmp_path):
-    code, out, _ = run("validate est.json log.csv --cutoff 3", "--report", tmp_path / "report.html")
-    assert code in (0, 1)
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "<h1>bleex.urdf: prediction of log.csv</h1>" in page
-    printed = re.findall(r"^ (left_\w+) +([0-9.]+) +([0-9.]+)", out, re.M)
-    assert len(printed) == 3
-    for joint, rmse, nrmse in printed:
-        cells = "".join(f"<td>{cell}</td>" for cell in (joint, rmse, nrmse))
-        assert f'<th scope="row">log.csv</th>{cells}' in page
-    assert "What to record next" not in page  # the recordings of the fit are not known
-    assert "error bars assume independent samples" in page
-    assert "<b>NRMSE</b>: RMSE over the standard deviation" in page

@@ -1,15 +1,12 @@
 """The command line imports a verb when it is called, and lists all verbs without."""
 
 import inspect
-import os
 import shlex
 import subprocess
 import sys
 
 import pytest
-from typer.testing import CliRunner
 
-from exoid.cli import app
 from exoid.cli.verbs import VERBS, load_verb
 
 HEAVY = ("numpy", "pinocchio", "scipy", "matplotlib", "jinja2", "meshcat", "lxml", "pooch")
@@ -55,25 +52,6 @@ def test_the_line_in_the_list_of_verbs_is_the_first_of_the_verbs_own_help(name):
     assert " ".join(first.split()) == VERBS[name]
 
 
-def test_the_help_lists_every_verb_in_order():
-    text = CliRunner().invoke(app, ["--help"], terminal_width=200, max_content_width=200).output
-    places = [text.index(f"\n  {name} ") for name in VERBS]
-    assert places == sorted(places)
-    assert all(line in text for line in VERBS.values())
-
-
-@pytest.mark.parametrize("name", VERBS)
-def test_help_at_60_columns_cuts_no_word_and_keeps_units(name):
-    wide, narrow = (
-        CliRunner().invoke(app, [name, "-h"], terminal_width=width, max_content_width=width).output
-        for width in (200, 58)  # Click leaves two columns free
-    )
-    assert max(map(len, narrow.splitlines())) <= 60
-    assert "…" not in narrow.replace("x…z", "")
-    letters = [sorted("".join(text.replace("-", "").split())) for text in (wide, narrow)]
-    assert letters[0] == letters[1]
-
-
 def example_of(name):
     """Arguments of the example in a verb's help."""
     (line,) = [line for line in inspect.cleandoc(load_verb(name).help).splitlines() if line.startswith("Example: ")]
@@ -97,18 +75,3 @@ def test_the_examples_of_the_help_run(exoid_):
         if name not in ("coordinate", "reproduce", "wear", "track"):
             done = exoid_(*example_of(name))
             assert done.code == 0, done.err
-
-
-@pytest.mark.slow
-def test_a_shell_completes_verbs_and_options():
-    told = {"_EXOID_COMPLETE": "complete_bash", "COMP_WORDS": "exoid ide", "COMP_CWORD": "1"}
-    program = "import sys; sys.argv = ['exoid']; from exoid.cli import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", program], env=os.environ | told, capture_output=True, text=True, check=False
-    )
-    assert done.stdout.split() == ["identify"]
-    told |= {"COMP_WORDS": "exoid identify --deg", "COMP_CWORD": "2"}
-    done = subprocess.run(
-        [sys.executable, "-c", program], env=os.environ | told, capture_output=True, text=True, check=False
-    )
-    assert done.stdout.split() == ["--degrees"]

@@ -314,6 +314,3 @@ def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_ho
         a, b, c = np.linalg.eigvalsh(again.model.inertias[j].inertia)
         assert 0.0 < a <= b <= c < a + b
     mujoco.MjModel.from_xml_path(str(export.urdf))
-
-
-# --------------------------------------------------------------------------------------------- files

@@ -83,7 +83,7 @@ def test_a_loop_described_wrongly_is_named_with_its_size(tmp_path):
     log = swing(leg, 0, 1e-3, ("front_pin", "rear_pin"))
     assert not list(loop_gaps(leg.closure, log))
     x, _, z = leg.closure.loops.loops[0].second.xyz
-    for millimetres in (0.3, 5.0):
+    for millimetres in (0.8, 1.3, 5.0):
         shifted = machine.loops.replace(f"{x:.5f}, 0.00000, {z:.5f}", f"{x + 1e-3 * millimetres}, 0, {z}")
         assert shifted != machine.loops
         wrong = machine.leg(tmp_path, shifted)

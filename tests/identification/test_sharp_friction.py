@@ -80,6 +80,15 @@ def test_friction_at_reversals_may_be_anything():
     assert changes[1] > 30.0 * changes[0]
 
 
+def test_reversals_are_taken_out_of_segments_as_of_a_whole_log():
+    """Between segments all columns are zero, which must not keep a column from losing its friction at reversals."""
+    swing = Swing(exoid.load_leg("cuhk"), rate=200.0, seconds=30.0, smoothing=1e-4)
+    whole = swing.encoders_only()
+    for log in (whole, whole.segments([(2.0, 10.0), (20.0, 28.0)])):
+        estimate = exoid.identify(swing.leg, log, (exoid.Coulomb(reversal_speed=0.01), exoid.Viscous()), check=False)
+        np.testing.assert_allclose(estimate.values, swing.truth, rtol=5e-3)
+
+
 @pytest.mark.slow
 def test_joint_maximum_likelihood_leaves_reversals_out():
     """Friction there is none of its smooth sign: 0.51 of the intervals held, and d was 10 % off, without a word."""

@@ -67,9 +67,6 @@ def test_an_expanded_urdf_may_still_declare_xacro():
     assert Leg.from_description(describe(text)).joint_names == ("hip", "knee")
 
 
-# -------------------------------------------------------------------------------------- the structure
-
-
 # ---------------------------------------------------------------------------------------- the numbers
 
 

@@ -27,9 +27,6 @@ def chain_of(seed: int, axis: str) -> PlanarURDF:
     return random_chain(rng, 1 + seed % 5, axis=axis, continuous=True)
 
 
-# ------------------------------------------------------------------------------- no further parameter
-
-
 def test_a_moving_torso_adds_no_parameter_to_a_built_in_leg(built_in_leg):
     q, v, a, torso = moved(built_in_leg, 0, 200)
     W = built_in_leg.regressor(q, v, a, torso)
@@ -46,9 +43,6 @@ def test_a_moving_torso_adds_no_parameter_to_any_planar_chain(axis, cumulative):
         q, v, a, torso = moved(leg, seed, 10)
         torque = leg.inverse_dynamics(q, v, a, torso)
         assert_relative(leg.regressor(q, v, a, torso) @ leg.parameters, torque, TOLERANCE)
-
-
-# -------------------------------------------------------------------------------- independent truths
 
 
 def test_pitch_is_an_offset_of_the_hip_angle(built_in_leg):
@@ -121,9 +115,6 @@ def test_positive_pitch_moves_a_hanging_leg_forward():
     """As the shoulders move backwards."""
     placed = exoid.load_leg("bleex").forward_kinematics(np.zeros(3), TorsoMotion(pitch=0.2))
     assert placed.translation[0, 1, 0] == pytest.approx(0.43 * np.sin(0.2))
-
-
-# ----------------------------------------------------------------------------------------- refusals
 
 
 def test_a_leg_that_is_not_planar_has_no_regressor_under_a_moving_torso_but_has_torques():

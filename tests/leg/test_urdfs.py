@@ -34,9 +34,6 @@ def xml_of(name: str) -> ET.Element:
     return ET.parse(ROOT / "urdf" / name).getroot()
 
 
-# ------------------------------------------------------------------------------------------- numbers
-
-
 def test_the_double_pendulum_has_the_published_model():
     model = model_of("dfki_double_pendulum.urdf")
     published_model = {"shoulder": (0.608, 0.275, 0.05472), "elbow": (0.630, 0.166, 0.02522)}
@@ -47,8 +44,6 @@ def test_the_double_pendulum_has_the_published_model():
     elbow = model.jointPlacements[model.getJointId("elbow")].translation
     assert tuple(elbow) == (0.0, 0.0, -0.3)
 
-
-# ---------------------------------------------------------------------------------- joints and poses
 
 DEG = math.pi / 180
 BLEEX_JOINTS = {  # axis, limits [deg], effort, velocity
@@ -119,9 +114,6 @@ def test_flexion_brings_the_knee_forward_and_the_shank_back(name, flexed, side):
     assert (knee.rotation @ [0.0, 0.0, -1.0])[0] == pytest.approx(-math.sin(0.5))
 
 
-# ----------------------------------------------------------------------------------- three libraries
-
-
 @pytest.mark.parametrize("name", URDFS)
 def test_no_library_complains(name, capfd, caplog):
     path = str(ROOT / "urdf" / name)
@@ -139,9 +131,6 @@ def test_no_library_complains(name, capfd, caplog):
     assert capfd.readouterr() == ("", "")
     assert not caplog.records
     assert not complaints
-
-
-# --------------------------------------------------------------------------------- drawing and files
 
 
 @pytest.mark.parametrize("name", URDFS)

@@ -28,10 +28,12 @@ def noise(gamma):
     return AutoregressiveNoise.from_autocovariances(gamma[:11], 10**6)
 
 
-def test_exact_autocovariances_give_the_noise_back(noise, phi):
+def test_exact_autocovariances_give_the_noise_back(noise, phi, gamma):
     assert noise.order == len(phi)
     np.testing.assert_allclose(noise.predictors[-1], phi, atol=1e-9)
     assert noise.variances[-1] == pytest.approx(2.0)
+    correlations = [noise.autocorrelation(lag) for lag in range(20)]
+    np.testing.assert_allclose(correlations, gamma[:20] / gamma[0], atol=1e-9)
 
 
 @pytest.mark.filterwarnings("ignore::FutureWarning")

@@ -33,9 +33,6 @@ def run(plant=PLANT, duration=1.0, **options):
     return simulate(plant, options.pop("reference", Swing()), Proportional(1.0), SERVO, duration, **options)
 
 
-# -------------------------------------------------------------------------------------------- sensors
-
-
 def test_an_encoder_counts():
     q = np.random.default_rng(0).normal(size=(3, 500))
     read = read_angle(Sensors(encoder_counts=2.0**10), q, np.random.default_rng(0))
@@ -71,9 +68,6 @@ def test_a_delay_counts_in_control_periods_however_often_the_log_reads():
     np.testing.assert_array_equal(often.q_measured[8:], often.q[:-8])
 
 
-# ---------------------------------------------------------------------------------- seeds and batches
-
-
 def test_the_same_seed_gives_the_same_bytes_and_another_one_does_not():
     one, same, other = (run(sensors=NOISY, seed=seed) for seed in (3, 3, 4))
     for name in ("time", "q", "v", "tau", "q_measured", "v_measured", "tau_measured", "target"):
@@ -102,9 +96,6 @@ def test_a_leg_that_is_not_planar_runs_on_pinocchio():
     done = simulate(plant, Hold(np.full((2, 1), 0.2)), law, IdealTorque(), 2.0, start=np.zeros((2, 1)))
     assert np.abs(done.q[-1]).max() > 0.0
     assert done.energy.relative_error[0] < 1e-4
-
-
-# -------------------------------------------------------------------------------------- logs and rates
 
 
 def test_a_log_becomes_a_recording():
@@ -145,6 +136,3 @@ def test_a_rig_obeys_its_own_inverse_dynamics():
     error = np.abs(done.tau[1:, :, 0] - expected)[~turning]
     assert np.median(error) < 1e-3
     assert error.max() < 0.05  # in the one step after each jump of the command, of tens of N·m
-
-
-# ---------------------------------------------------------------------------------------------- plant

@@ -73,8 +73,6 @@ def test_energy_is_balanced_in_a_sampled_run(plant):
     assert run.energy.dissipated.min() > 0.0
 
 
-# ------------------------------------------------------------------------------------------ coupled motors
-
 DT = 5e-4
 
 

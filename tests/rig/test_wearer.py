@@ -248,19 +248,6 @@ def test_what_the_leg_gets_the_limb_loses():
 # -------------------------------------------------------------------------------------------- many rigs
 
 
-@pytest.mark.nightly
-def test_rigs_of_a_batch_are_worn_as_each_alone():
-    """Each with its tilt, friction and cuff."""
-    plants = [Plant.build(CUHK, {"c0_hip": c}, pitch=p) for c, p in ((0.5, 0.0), (1.5, 0.1), (0.0, -0.2))]
-    cuffs = np.array([[500.0, 1000.0, 2000.0], [300.0, 900.0, 100.0]])
-    runs = worn(Plant.concatenate(plants), Wearer.build(CUHK, intention=GAIT, cuff_stiffness=cuffs), controller=PD)
-    for k, plant in enumerate(plants):
-        wearer = Wearer.build(CUHK, intention=GAIT, cuff_stiffness=cuffs[:, k])
-        alone = worn(plant, wearer, controller=PD)
-        np.testing.assert_allclose(runs.interaction[..., k], alone.interaction[..., 0], atol=1e-7)
-        np.testing.assert_allclose(runs.energy.work[k], alone.energy.work[0], rtol=1e-9)
-
-
 @pytest.mark.slow
 def test_joints_stick_stop_and_reverse_under_a_wearer():
     """One rig and two agree where the leg sticks and meets its end stops."""

@@ -98,15 +98,9 @@ def test_one_header_may_be_current_and_torque_of_a_joint_and_nothing_else(raw):
         Recording.from_file(raw, columns={**BASE, "v_hip": "enc"})
 
 
-# --- files without a header line -----------------------------------------------------------------------------------
-
-
 def test_a_comment_of_numpy_heads_columns_separated_by_spaces(tmp_path):
     np.savetxt(tmp_path / "log.txt", np.column_stack([T, Q]), header="time q_hip q_knee")
     np.testing.assert_array_equal(Recording.from_file(tmp_path / "log.txt").q, Q)
-
-
-# --- torque of some joints ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ["csv", "npz", "parquet"])

@@ -24,9 +24,6 @@ def changes(contact):
     return np.count_nonzero(np.diff(contact))
 
 
-# --- From a wrench ----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_hysteresis_finds_each_step_once_in_noise(seed):
     """Noise of 10 N around one threshold of 10 % (80 N) switches a contact many times; two thresholds do not."""
@@ -51,9 +48,6 @@ def test_an_impact_does_not_raise_the_thresholds():
     assert np.array_equal(contacts_from_wrench(foot(hit)), contacts_from_wrench(foot(800.0 * STEPS)))
 
 
-# --- Margins ----------------------------------------------------------------------------------------------------------
-
-
 @settings(max_examples=200, deadline=None)
 @given(st.lists(st.booleans(), min_size=2, max_size=60), st.integers(0, 6))
 def test_settled_samples_have_contact_on_both_sides_for_the_margin(values, margin):
@@ -63,9 +57,6 @@ def test_settled_samples_have_contact_on_both_sides_for_the_margin(values, margi
     for k in range(len(values)):
         around = range(k - margin, k + margin + 1)
         assert found[k] == all(0 <= i < len(values) and contact[i] for i in around)
-
-
-# --- Contradictions ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

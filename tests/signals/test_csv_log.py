@@ -36,9 +36,6 @@ def refused(path, match, **options):
     return str(caught.value)
 
 
-# --- what is read -------------------------------------------------------------------------------------------
-
-
 def test_joints_come_from_the_angle_columns_in_the_order_of_the_file(log):
     recording = Recording.from_csv(log([HEADER, *ROWS]))
     assert recording.joint_names == ("hip", "knee")
@@ -92,9 +89,6 @@ def test_uneven_stamps_are_resampled_unless_asked_otherwise(log):
     assert len(raw) == 40
 
 
-# --- round trip ---------------------------------------------------------------------------------------------
-
-
 NAMES = st.text(min_size=1, max_size=8).filter(
     lambda name: name.isprintable() and name == name.strip() and not set(name) & set(',;"')
 )
@@ -135,23 +129,14 @@ def test_every_recording_reads_back_bit_by_bit(recording):
             assert written.tobytes() == read.tobytes()
 
 
-# --- what is refused: the file ------------------------------------------------------------------------------
-
-
 def test_two_columns_of_one_name_that_nobody_reads_do_no_harm(log):
     path = log(["time,q_hip,Unused,Unused", *(f"{k / 100},0.1,text,0" for k in range(10))])
     assert len(Recording.from_csv(path)) == 10
 
 
-# --- what is refused: the cells -----------------------------------------------------------------------------
-
-
 def test_a_column_with_a_foreign_header_is_named_by_both(log):
     lines = [HEADER.replace("q_knee", "pos2"), *ROWS[:3], "0.06,0.1,nan,1,0.1", *ROWS[4:]]
     refused(log(lines), r"line 5, column pos2 \(q_knee\): nan", columns={"q_knee": "pos2"})
-
-
-# --- options ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("read", [Recording.from_csv, Recording.from_file, Recordings.from_folder])

@@ -21,9 +21,6 @@ def columns(term: Term, q: object = 0.0, v: object = 0.0, a: object = 0.0) -> np
     return out
 
 
-# ------------------------------------------------------------------------------------ columns and units
-
-
 @pytest.mark.parametrize(
     ("term", "symbols", "units"),
     [
@@ -55,9 +52,6 @@ def test_columns_are_those_of_the_formulas():
     np.testing.assert_allclose(columns(Coulomb(smoothing=0.3), q, v, a), [np.tanh(v / 0.3)], rtol=1e-15)
 
 
-# ---------------------------------------------------------------------------------------------- signs
-
-
 def test_a_positive_stiffness_holds_against_the_actuator():
     """τ = b1 q: away from zero the actuator must push outwards, as the spring pulls back."""
     q = np.linspace(-1, 1, 11)
@@ -74,9 +68,6 @@ def test_the_work_on_a_rotor_is_its_kinetic_energy():
     assert np.trapezoid(power, t) == pytest.approx(0.5 * 0.8 * v[-1] ** 2, rel=1e-7)
 
 
-# --------------------------------------------------------------------------------- dead band, settings
-
-
 def test_samples_within_the_dead_band_are_unusable_and_their_column_is_zero():
     v = np.array([-0.3, -0.1, -0.05, 0.0, 0.05, 0.1, 0.3])
     term = Coulomb(smoothing=0.0, dead_band=0.1)
@@ -84,15 +75,9 @@ def test_samples_within_the_dead_band_are_unusable_and_their_column_is_zero():
     np.testing.assert_array_equal(columns(term, v=v), [[-1, 0, 0, 0, 0, 0, 1]])
 
 
-# --------------------------------------------------------------------------------------------- joints
-
-
 @pytest.mark.parametrize("joints", [("knee",), ("left_knee",), ("knee", "left_knee")])
 def test_joints_are_found_by_label_or_by_full_name(joints):
     assert Viscous(joints=joints).joint_indices(NAMES, LABELS) == (1,)
-
-
-# ----------------------------------------------------------------------------------------------- JSON
 
 
 def test_every_term_has_a_name_and_the_defaults_are_among_them():

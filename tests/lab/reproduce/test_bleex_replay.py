@@ -30,9 +30,6 @@ def relative(side, way, name):
     return error(side, way, name) / side["truth"][name]
 
 
-# ------------------------------------------------------------------------- defects of the procedure
-
-
 def test_the_held_ankles_stiction_biases_j3(side):
     assert abs(relative(side, "sequential", "J3")) > 0.15
 
@@ -55,9 +52,6 @@ def test_second_differences_of_a_coarse_encoder_lose_the_inertia(side):
 
 def test_hip_stiffness_is_not_identifiable_upright(side):
     assert side["upright_condition_number"] > 500.0
-
-
-# --------------------------------------------------------------------------------- the joint estimate
 
 
 @pytest.mark.parametrize(
@@ -94,9 +88,6 @@ def test_its_torque_is_as_good_as_the_truth_and_much_better_than_cad(name, side)
     assert (nrmse["sequential"] >= nrmse["joint"] * [4.0, 2.0, 1.4]).all()
     if name == "left":
         assert (nrmse["cad"] >= nrmse["joint"] * [15.0, 6.0, 8.0]).all()
-
-
-# ------------------------------------------------------------------------------- what people see
 
 
 def test_every_figure_is_as_wide_as_a_column(bleex):

@@ -232,23 +232,6 @@ def test_parameters_that_are_known_exactly_do_not_move(bleex):
     assert lifted.values[0] == pytest.approx(values[0], abs=1e-6)
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("part", range(10))
-def test_a_thousand_noisy_estimates_lift_to_consistent_links(bleex, part):
-    rng = np.random.default_rng(100 + part)
-    feasible = 0
-    for share in np.repeat([0.05, 0.2, 0.5, 1.0, 3.0], 20):
-        values, covariance = noisy(bleex, rng, share)
-        lifted = lift(bleex, values, covariance)
-        assert_possible(lifted)
-        feasible += lifted.feasible
-        if lifted.feasible:
-            np.testing.assert_allclose(lifted.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
-        else:
-            assert lifted.distance > 0.0
-    assert 20 < feasible < 80
-
-
 # -------------------------------------------------------------------------------------------- priors
 
 

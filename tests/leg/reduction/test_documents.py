@@ -49,9 +49,6 @@ def cuhk(side):
     return exoid.load_leg("cuhk", side=side), links
 
 
-# ------------------------------------------------------------------------------------------- document 1
-
-
 def test_bleex_parameters_are_those_of_equations_1_to_9(bleex):
     leg, parameters = bleex
     assert leg.parameter_names == tuple(parameters)
@@ -74,9 +71,6 @@ def test_bleex_regressor_is_the_coefficients_of_equations_10_to_12(bleex):
     for column, name in enumerate(leg.parameter_names):
         unit = {other: float(other == name) for other in leg.parameter_names}
         assert_relative(W[:, :, column], oracles.bleex_torques(unit, *BLEEX_LENGTHS, q, v, a), TOLERANCE)
-
-
-# ------------------------------------------------------------------------------------------- document 2
 
 
 def test_cuhk_parameters_are_those_of_table_1_as_repaired(cuhk):

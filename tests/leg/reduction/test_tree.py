@@ -64,9 +64,6 @@ def regressor(model: pin.Model, q, v, a, columns=None, base=None) -> np.ndarray:
     return out.transpose(2, 1, 0)
 
 
-# --------------------------------------------------------------------------------- equal to Pinocchio
-
-
 @pytest.mark.usefixtures("small_blocks")
 def test_random_trees_have_pinocchios_regressor():
     rng = np.random.default_rng(0)
@@ -102,9 +99,6 @@ def test_a_reduction_that_does_not_select_columns_is_applied():
     )
 
 
-# --------------------------------------------------------------------------------------- moving base
-
-
 def floating_motion(rng: np.random.Generator, model: pin.Model, samples: int):
     """Configurations, velocities and accelerations for Pinocchio, and the motion of the base for exoid."""
     q = np.array([pin.integrate(model, pin.neutral(model), rng.standard_normal(model.nv)) for _ in range(samples)])
@@ -132,9 +126,6 @@ def test_random_trees_on_a_floating_base_have_pinocchios_regressor():
             here = model.idx_qs[j]
             angles[:, j - 2] = np.arctan2(q[:, here + 1], q[:, here]) if j in continuous else q[:, here]
         assert_relative(regressor(model, angles, v[:, 6:], a[:, 6:], base=base), looped(model, q, v, a), TOLERANCE)
-
-
-# --------------------------------------------------------------------------------------------- memory
 
 
 @pytest.mark.parametrize("joints", [7, 60])
