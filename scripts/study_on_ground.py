@@ -292,13 +292,13 @@ def judged(
     wearer: GroundWearer,
     seed: int,
 ) -> FloatArray:
-    """Run a loop: whether its last function ended as it should, and figures of :data:`COORDINATED`."""
+    """Run a loop: its end, figures of :data:`COORDINATED`, and knees beside the plan of a squat [%]."""
     try:
         run = simulate_on_ground(
             plant, motion, loop, rates=RATES, spring=rail, sensors=SENSORS, wearer=wearer, seed=seed
         )
     except ExoidError:
-        return np.array([0.0, *[np.nan] * (len(COORDINATED) - 1)])
+        return np.array([0.0, *[np.nan] * len(COORDINATED)])
     shown = loop.decisions[-len(run.time) :]
     last, names = shown[-1], {contact_name(plant.leg, link): foot for link, foot in run.feet.items()}
     end = "sit" if function.name == "sit" else "stand"
@@ -328,7 +328,11 @@ def judged(
     late = _delays(loop.contacts, episode, belief)
     wrong = 100.0 * float(np.mean(~right[sure]))
     delay = 1e3 * float(np.quantile(late, 0.95)) if late else np.nan
+    knees = [limb.joints.start + 1 for limb in plant.leg.limbs]
+    plan = motion.at(run.time).torque[:, knees]
+    beside = np.sqrt(np.mean(((run.tau + run.interaction)[:, knees] - plan) ** 2)) / np.sqrt(np.mean(plan**2))
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
+    figures.append(100.0 * float(beside) if rail is None and function.name == "squat" else np.nan)
     return np.array([ended, *figures])
 
 
@@ -427,8 +431,10 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        cells = "".join(f"{worst:13.3g}" for worst in np.nanmax(rows[:, 1:], axis=0))
-        print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}{cells}", flush=True)
+        *cells, knees = np.nanmax(rows[:, 1:], axis=0)
+        print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}" + "".join(f"{x:13.3g}" for x in cells))
+        if np.isfinite(knees):
+            print(f"{'':20s}torque of the knees beside the plan, RMS: {knees:.1f} %", flush=True)
 
 
 class Probe(GroundLoop):
