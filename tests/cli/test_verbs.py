@@ -67,7 +67,7 @@ def test_the_example_of_a_verbs_help_has_arguments_that_the_verb_knows(name):
     load_verb(name).make_context(name, arguments)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_examples_of_the_help_run(exoid_):
     """But those that other tests run, for a minute each."""
     assert exoid_("identify", "bleex", "bleex_swing:train", "--estimator", "huber", "-o", "other.json").code == 0

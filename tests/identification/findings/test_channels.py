@@ -86,3 +86,6 @@ def test_a_joint_at_rest_does_not_hide_lost_samples_and_a_frozen_one_is_none():
     held = q.copy()
     held[700:730, 0] = held[700, 0]  # and jumps to where it should be
     assert not [*missing_samples(dataclasses.replace(log, time=t, q=held, tau=held))]
+    wrapped = q.copy()
+    wrapped[700:, 0] += 2.0 * np.pi  # an encoder that passes its zero, while the knee stands
+    assert not [*missing_samples(dataclasses.replace(log, time=t, q=wrapped, tau=wrapped, largest_angle=np.inf))]
