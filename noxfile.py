@@ -36,8 +36,8 @@ def tests(session: nox.Session) -> None:
 def slow(session: nox.Session) -> None:
     """What the README's command leaves out: slow tests and those that need real data."""
     wanted = "(slow or real_data) and not nightly"
-    # A file stays in one process: what its tests share, such as a replay, is made once.
-    options = ("--dist", "loadfile", "--durations", "25")
+    # A file stays in one process: what its tests share, such as a replay, is made once. The longest come first.
+    options = ("--dist", "loadfile", "--no-loadscope-reorder", "--durations", "25")
     session.run("pytest", "-p", "no:cacheprovider", "-m", wanted, *options, *session.posargs)
 
 

@@ -49,6 +49,27 @@ def pytest_runtest_setup(item):
             pytest.skip(reason)
 
 
+LONGEST = (
+    "test_identification_on_ground",
+    "test_cuhk_tracking",
+    "test_bleex_replay",
+    "test_cuhk_replay",
+    "test_docs_pages",
+    "test_packaging",
+    "test_population",
+    "test_steppers",
+    "test_standing_in_the_same_way",
+    "test_coordinated_loop",
+    "test_wear",
+)
+"""Names of files whose slow tests take ten seconds and more."""
+
+
+def pytest_collection_modifyitems(items):
+    """The longest files begin, so that no process is left with one of them at the end."""
+    items.sort(key=lambda item: item.path.stem not in LONGEST)
+
+
 def pytest_xdist_auto_num_workers(config):
     """Tests whose output is to be seen (``pytest -s``) run in this process, else in one for each core."""
     return 0 if config.option.capture == "no" else None

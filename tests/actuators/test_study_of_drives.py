@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def run():
     """A leg of BLEEX in motion."""
-    return STUDY["bleex_run"](1)
+    return STUDY["bleex_run"](1, duration=20.0)
 
 
 @pytest.fixture(scope="module")

@@ -66,7 +66,7 @@ def width_of_pdf(content):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize("verb", [v if v != "validate" else pytest.param(v, marks=pytest.mark.nightly) for v in VERBS])
 def test_each_verb_writes_its_figures_in_the_width_of_a_column_or_two(verb, run, tmp_path):
     words, widths = VERBS[verb]
     code, _, err = run(words, "--figures", tmp_path / "new" / "figures")

@@ -136,4 +136,6 @@ def test_a_fault_has_the_finding_of_its_kind_with_joint_and_size(fault):
     assert finding.joint == {None: "", -1: ", ".join(names[:2])}.get(joint, names[joint or 0])
     assert value is None or finding.value == value
     assert words in finding.message
-    assert finding.interval is None or finding.interval[0] < finding.interval[1]
+    if finding.interval is not None:
+        low, high = finding.interval
+        assert 0.0 < high - low < 0.3 * abs(finding.value)

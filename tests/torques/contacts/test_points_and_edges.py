@@ -127,7 +127,7 @@ def walk(leg, seconds, rng, noise=0.0, rate=200.0):
 @pytest.fixture(scope="module")
 def walked():
     leg, rng = quadruped(), np.random.default_rng(1000)
-    logs = [walk(leg, 20.0, rng, noise=0.01, rate=100.0)[0] for _ in range(2)]
+    logs = [walk(leg, 12.0, rng, noise=0.01, rate=100.0)[0] for _ in range(2)]
     return exoid.identify(leg, logs, terms=(), check=False)
 
 

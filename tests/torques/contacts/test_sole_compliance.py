@@ -40,6 +40,8 @@ def test_a_soft_foot_tilts_the_base_by_the_torque_of_its_joint(exo):
     feet = link_placements(exo, log.q, "left_foot")
     place = soft.pose.position + np.einsum("nij,nj->ni", soft.pose.rotation, feet.translation)
     assert np.abs(place[100:-100]).max() < 1e-4  # the foot turns about its origin
+    untold = standing_base(exo, replace(log, tau=None), "left_foot", SOFT)  # its torque is not known
+    np.testing.assert_array_equal(untold.pose.columns, hard.pose.columns)
 
 
 def soft_logs(exo, soft, seed):
