@@ -3,6 +3,7 @@
     python scripts/study_on_ground.py                       # 16 seeds from 1000 of both machines
     python scripts/study_on_ground.py --seeds 2 --machine bleex
     python scripts/study_on_ground.py --seeds 8 --coordinated   # contacts are told: docs/coordination.md
+    python scripts/study_on_ground.py --seeds 10 --coordinated --faults 10   # with planted events, ten for each seed
 
 The truth of each seed has the mass of every link drawn (± 8 %, one standard deviation) and friction (± 20 %). The
 identified model is that of logs with noise: squats, both single supports and swing of BLEEX; of CUHK-EXO a swing in a
@@ -16,8 +17,11 @@ import argparse
 import sys
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -66,6 +70,7 @@ from exoid.rig.ground import (
     HEALTHY,
     PASSIVE,
     Block,
+    Faults,
     GroundMotion,
     GroundPlant,
     GroundReading,
@@ -232,7 +237,38 @@ def filter_of(model: exoid.Estimate | GroundPlant | exoid.Leg, soles: Mapping[st
     return ContactFilter(torques, values, 0.0 * np.diag(values), soles, np.zeros(3), RATES.control)
 
 
-def walked(truth: GroundPlant, model: exoid.Estimate | GroundPlant | exoid.Leg, name: str, seed: int) -> FloatArray:
+class Event(NamedTuple):
+    """Something that goes wrong, with its name."""
+
+    name: str = "none"
+    faults: Faults = Faults()
+    friction: float = 0.8  # coefficient of friction of the ground
+    requests: Mapping[float, str] = MappingProxyType({})  # beside those of the study, by time [s]
+
+    @classmethod
+    def drawn(cls, names: Sequence[str], functions: Sequence[str], rng: np.random.Generator) -> Event:
+        """Draw one, from 0.3 s on."""
+        name, when = str(rng.choice(EVENTS)), float(rng.uniform(0.3, 2.5))
+        if name == "slippery ground":
+            return cls(name, friction=float(rng.uniform(0.1, 0.4)))
+        if name == "request in between":
+            return cls(name, requests={when: str(rng.choice(functions))})
+        return cls(name, Faults(frozen={"pitch" if name == "frozen pitch" else str(rng.choice(names)): when}))
+
+
+EVENTS = ("frozen joint", "frozen pitch", "slippery ground", "request in between")
+"""Names of planted events."""
+
+NOTHING = Event()
+
+
+def walked(
+    truth: GroundPlant,
+    model: exoid.Estimate | GroundPlant | exoid.Leg,
+    name: str,
+    seed: int,
+    event: Event = NOTHING,
+) -> FloatArray:
     """Take four steps and stand, balanced by the law alone; the wearer is paralysed."""
     steps = WALKS[name]
     functions = stepping(truth, steps)
@@ -241,7 +277,7 @@ def walked(truth: GroundPlant, model: exoid.Estimate | GroundPlant | exoid.Leg, 
         blocks = tuple(Block((j - 0.5) * L, 20.0 * L, j * climb) for j in range(1, 8))
     elif climb < 0.0:
         blocks, floor = tuple(Block(-2.0, (j + 0.5) * L, (j - 8) * climb) for j in range(8)), -8.0 * climb
-    where = replace(truth, blocks=blocks, ground_lean=steps.slope)
+    where = replace(truth, blocks=blocks, ground_lean=steps.slope, ground_friction=event.friction)
     x, z, pitch = functions["stand"].torso[0]
     place = np.exp(-1j * steps.slope) * (x + 1j * z) + 1j * (floor + 5e-4)  # in the axes of the ground
     names = ("first step", "steps", "last step")
@@ -252,14 +288,16 @@ def walked(truth: GroundPlant, model: exoid.Estimate | GroundPlant | exoid.Leg, 
     table = [Rule("stand", "request", names[0]), Rule(names[0], "end", names[1])]
     table += [Rule(names[1], "request", names[2]), Rule(names[2], "end", "stand"), Rule(SAFE, "known", "stand")]
     coordinator = Coordinator(functions, truth.leg.limits.effort, table, rate=RATES.control)
-    requests = {0.3: names[0], 0.3 + first + 0.5 * stride: names[2]}
+    requests = {0.3: names[0], 0.3 + first + 0.5 * stride: names[2], **event.requests}
     told = filter_of(model, where.soles)
     loop = Noted(stance(model, where.soles), told, coordinator, requests, lean=steps.slope)
     motion = GroundMotion(t, q, 0.0 * q, base)
-    return judged(where, motion, loop, functions["last step"], None, PASSIVE, seed)
+    return judged(where, motion, loop, functions["last step"], None, PASSIVE, seed, event)
 
 
-def coordinated(truth: GroundPlant, model: exoid.Estimate, name: str, wearer: GroundWearer, seed: int) -> FloatArray:
+def coordinated(
+    truth: GroundPlant, model: exoid.Estimate, name: str, wearer: GroundWearer, seed: int, event: Event = NOTHING
+) -> FloatArray:
     """Do one function in closed loop, with a hand on a rail where BLEEX has no balance, and for CUHK-EXO always."""
     points = truth.leg.limbs[0].chain.n == 2
     free = name in ("squat", "step")
@@ -267,6 +305,7 @@ def coordinated(truth: GroundPlant, model: exoid.Estimate, name: str, wearer: Gr
     made = {} if not free else cuhk_functions(body) if points else free_functions(truth)
     functions = made or {key: make(body) for key, make in FUNCTIONS.items()}
     function, where = functions[name], truth if free else _ground(truth, name, body, {})
+    where = replace(where, ground_friction=event.friction)
     t = knots(function.duration + 1.5)
     phase = np.clip((t - 0.3) / function.duration, 0.0, 1.0)
     flexion, base = _reference(function, phase)
@@ -279,8 +318,8 @@ def coordinated(truth: GroundPlant, model: exoid.Estimate, name: str, wearer: Gr
     coordinator = Coordinator(functions, truth.leg.limits.effort, table, rate=RATES.control)
     start = "sit" if name == "rise" else "stand"
     told = filter_of(model, where.soles)
-    loop = Noted(stance(model, where.soles), told, coordinator, {0.3: name}, start)
-    return judged(where, motion, loop, function, HAND_RAIL if points or not free else None, wearer, seed)
+    loop = Noted(stance(model, where.soles), told, coordinator, {0.3: name, **event.requests}, start)
+    return judged(where, motion, loop, function, HAND_RAIL if points or not free else None, wearer, seed, event)
 
 
 def judged(
@@ -291,14 +330,23 @@ def judged(
     rail: Spring | None,
     wearer: GroundWearer,
     seed: int,
+    event: Event,
 ) -> FloatArray:
-    """Run a loop: its end, figures of :data:`COORDINATED`, and knees beside the plan of a squat [%]."""
+    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], a safe stop."""
     try:
         run = simulate_on_ground(
-            plant, motion, loop, rates=RATES, spring=rail, sensors=SENSORS, wearer=wearer, seed=seed
+            plant,
+            motion,
+            loop,
+            rates=RATES,
+            spring=rail,
+            sensors=SENSORS,
+            wearer=wearer,
+            faults=event.faults,
+            seed=seed,
         )
     except ExoidError:
-        return np.array([0.0, *[np.nan] * len(COORDINATED)])
+        return np.array([0.0, *[np.nan] * len(COORDINATED), 0.0])
     shown = loop.decisions[-len(run.time) :]
     last, names = shown[-1], {contact_name(plant.leg, link): foot for link, foot in run.feet.items()}
     end = "sit" if function.name == "sit" else "stand"
@@ -333,6 +381,7 @@ def judged(
     beside = np.sqrt(np.mean(((run.tau + run.interaction)[:, knees] - plan) ** 2)) / np.sqrt(np.mean(plan**2))
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
     figures.append(100.0 * float(beside) if rail is None and function.name == "squat" else np.nan)
+    figures.append(float(last.function == SAFE or last.level == "damping"))
     return np.array([ended, *figures])
 
 
@@ -423,6 +472,41 @@ def all_coordinated(machine: str, seed: int, only: str | None = None) -> dict[tu
     return out
 
 
+def planted(machine: str, seed: int, count: int) -> list[tuple[str, str, FloatArray]]:
+    """Figures of random functions with random events, by the names of both."""
+    warnings.simplefilter("ignore")
+    rng, truth = np.random.default_rng([seed, 7]), truth_of(machine, np.random.default_rng(seed))
+    model, out = identified(machine, truth, 10 * seed), []
+    walks = (*WALKS,) * (machine == "bleex")
+    for _ in range(count):
+        name = str(rng.choice(("rise", "sit", "squat", "step", *walks)))
+        known = ("stand", "squat", "step") if name in ("squat", "step") else ("stand", "rise", "sit", "walk")
+        event = Event.drawn(
+            truth.leg.joint_names, ("first step", "steps", "last step") if name in WALKS else known, rng
+        )
+        case = walked(truth, model, name, seed, event) if name in WALKS else None
+        out.append((name, event.name, coordinated(truth, model, name, PASSIVE, seed, event) if case is None else case))
+    return out
+
+
+def print_planted(machine: str, seeds: range, jobs: int, count: int) -> None:
+    """Run functions with planted events, and print how they end."""
+    found = [*chain(*Parallel(n_jobs=jobs)(delayed(planted)(machine, s, count) for s in seeds))]
+    print(f"{machine}: {len(found)} planted events, seeds from {seeds[0]}")
+    headers = ("cases", "done", "safe stop", "neither", "support in the air", "torque [N·m]")
+    print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
+    for event in EVENTS:
+        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 2)
+        done, safe = rows[:, 0] > 0.0, rows[:, -1] > 0.0
+        air = rows[:, COORDINATED.index("air [ms]")] > 60.0
+        counts = len(rows), done.sum(), (safe & ~done).sum(), (~safe & ~done).sum(), air.sum()
+        most = np.nanmax(rows[:, COORDINATED.index("torque [N·m]")], initial=0.0)
+        print(f"{event:20s}" + "".join(f"{x:20d}" for x in counts) + f"{most:20.4g}", flush=True)
+    for name, event, figures in found:
+        if not (figures[0] or figures[-1]):
+            print(f"    neither: {name}, {event}: {', '.join(f'{x:.3g}' for x in figures[1:])}")
+
+
 def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -> None:
     """Run the closed loop, and print how many cases end as they should, and the largest figures."""
     calls = (delayed(all_worn)(s) if only == "worn" else delayed(all_coordinated)(machine, s, only) for s in seeds)
@@ -431,7 +515,7 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        *cells, knees = np.nanmax(rows[:, 1:], axis=0)
+        *cells, knees, _ = np.nanmax(rows[:, 1:], axis=0)
         print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}" + "".join(f"{x:13.3g}" for x in cells))
         if np.isfinite(knees):
             print(f"{'':20s}torque of the knees beside the plan, RMS: {knees:.1f} %", flush=True)
@@ -523,13 +607,17 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=1000)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts")
+    parser.add_argument("--faults", type=int, default=0, help="coordinated: planted events for each seed")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
     parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, ..., or worn")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     if options.coordinated:
         for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
-            print_coordinated(machine, seeds, options.jobs, options.motion)
+            if options.faults:
+                print_planted(machine, seeds, options.jobs, options.faults)
+            else:
+                print_coordinated(machine, seeds, options.jobs, options.motion)
         return
     for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
         begun = time.perf_counter()
