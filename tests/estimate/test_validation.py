@@ -39,13 +39,6 @@ def test_several_recordings_are_judged_over_all_samples_and_one_by_one(data, est
     assert [part["rmse"] for part in data["recordings"]] == [one.rmse.tolist() for one in alone]
 
 
-def test_one_recording_in_a_list_is_that_recording(data, estimate):
-    one, listed = exoid.validate(estimate, data.test), exoid.validate(estimate, [data.test])
-    assert str(one) == str(listed)
-    assert not listed.parts
-    assert "recordings" not in listed.to_json()
-
-
 @pytest.mark.parametrize(("given", "match"), [([], "no recordings"), (["log.csv"], "'log.csv' is no recording")])
 def test_what_is_no_recording_is_refused(estimate, given, match):
     with pytest.raises(ExoidError, match=match):

@@ -85,15 +85,6 @@ def test_feet_stand_flat_without_slip(named):
 
 
 @pytest.mark.slow
-def test_every_scenario_gives_a_recording(named):
-    _, run = named
-    log = run.recording(seed=1)
-    assert len(log) == len(run.time)
-    assert set(log.wrenches) == set(run.wrenches)
-    assert log.joint_names == run.plant.leg.joint_names
-
-
-@pytest.mark.slow
 def test_a_walking_machine_walks(walk):
     assert walk.position[-1, 0] - walk.position[0, 0] > 2.5
     assert sum(foot.force[:, 2].mean() for foot in walk.feet.values()) > 0.7 * WEIGHT

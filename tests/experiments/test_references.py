@@ -34,10 +34,6 @@ def test_velocity_and_acceleration_are_derivatives(motion):
         np.testing.assert_allclose((after.v - before.v) / (2 * step), now.a, atol=1e-3)
 
 
-def test_an_approach_ends_at_its_goal():
-    np.testing.assert_allclose(MOTIONS["approach"].at(9.0).q, GOAL)
-
-
 def series(phase):
     """θ = a0 + Σ a_k cos 2πkp + b_k sin 2πkp, written out [deg]."""
     k = 2.0 * np.pi * np.arange(1, 7)
@@ -79,10 +75,6 @@ def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
             shank = leg.forward_kinematics(q).rotation[0, 1] @ np.array([0.0, 0.0, -1.0])
             tilt = flexion[0] - flexion[1]
             np.testing.assert_allclose(shank[[0, 2]], [np.sin(tilt), -np.cos(tilt)], atol=1e-12)
-
-
-def test_on_document_2s_leg_the_gait_is_as_it_was():
-    np.testing.assert_array_equal(gait_for_leg(exoid.load_leg("cuhk"), GAIT).at(0.3).q, GAIT.at(0.3).q)
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ import pytest
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
 from exoid.leg.description import describe
+from exoid.torques.contacts.stretches import contact_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import study_suspended as study
@@ -53,6 +54,13 @@ def test_in_flight_the_total_mass_is_weak_and_its_interval_says_so():
     assert np.mean(np.abs(found.values - leg.parameters) < 1.96 * found.std) > 0.85
     (finding,) = [each for each in found.findings if each.kind == "suspended"]
     assert finding.parameters == leg.parameter_names[:1]
+
+
+@pytest.mark.parametrize(("load", "down"), [(15.0, False), (25.0, True)])
+def test_a_plate_that_reads_little_more_than_noise_is_no_ground(exo, load, down):
+    force = load * np.maximum(0.0, np.sin(np.arange(100) * 0.6))
+    flags = contact_of(exo, "left_foot", exoid.Wrench(np.outer(force, (0.0, 0.0, 1.0)), np.zeros((100, 3))))
+    assert (flags is not None) == down
 
 
 def test_a_base_that_is_held_does_not_fly():
