@@ -34,6 +34,15 @@ def test_peaks_of_a_joint_that_rings_are_no_spikes():
     assert "spikes" not in kinds(exoid.check(leg, with_column(log, "tau", 1, lambda x: x + jerks)))
 
 
+@pytest.mark.parametrize(("every", "named"), [(100, {"dropout"}), (600, set())])
+def test_lost_messages_are_no_spikes_and_a_few_are_not_named(every, named):
+    leg, log = clean()
+    lost = np.arange(len(log)) % every == every // 2
+    assert np.count_nonzero(lost) > 4
+    far = with_column(log, "tau", 1, lambda x: np.where(lost, 0.0, x + 3.0 * x.std()))
+    assert kinds(exoid.check(leg, far)) & {"dropout", "spikes"} == named
+
+
 def test_a_joint_that_comes_to_rest_is_not_stuck():
     leg, log = clean()
 
