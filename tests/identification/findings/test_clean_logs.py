@@ -16,6 +16,12 @@ def test_a_log_without_faults_has_no_findings(name, seed):
     assert exoid.check(*clean(name, seed)) == ()
 
 
+def test_nor_has_one_of_a_leg_with_a_known_parameter():
+    leg, log = clean()
+    known = {"J3": float(leg.parameters[leg.parameter_names.index("J3")])}
+    assert exoid.identify(leg, log, known=known).findings == ()
+
+
 def test_nor_has_the_example_of_a_leg_that_sticks():
     data = bleex_swing()
     assert exoid.check(data.leg, data.train) == ()
