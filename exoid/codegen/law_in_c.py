@@ -25,11 +25,13 @@ class InputInC(NamedTuple):
         name: Name in C.
         what: Comment with the unit.
         source: Whether it is measured or belongs to the reference; the watchdog looks after both.
+        size: Number of values; None for one at each joint.
     """
 
     name: str
     what: str
     source: Literal["reading", "target"] = "target"
+    size: int | None = None
 
 
 REFERENCE = (
@@ -92,6 +94,7 @@ class LawInC:
         leg: Model of the leg; None if the law needs none.
         limit: Largest torque [N·m], (n,); inf for none.
         slew: Largest rate of change of the torque [N·m/s], (n,); inf for none.
+        solver: Whether the step calls a solver of quadratic programs, ``in->solve``.
     """
 
     joints: tuple[str, ...]
@@ -108,6 +111,7 @@ class LawInC:
     leg: LegInC | None = None
     limit: FloatArray | float = np.inf
     slew: FloatArray | float = np.inf
+    solver: bool = False
 
 
 def law_in_c(law: object, dialect: Dialect) -> LawInC:

@@ -71,7 +71,7 @@ def law_source(
     called = () if law.leg is None else law.leg.needed
     kept = ("gravity", "springs") if safety.safe == "gravity" else ()
     needed = frozenset().union(*(INSIDE[function] for function in (*called, *kept)))
-    tree = None if law.leg is None else tree_in_c(law.leg.leg, law.leg.leg.parameters, dialect)
+    tree = None if law.leg is None or "rigid" not in needed else tree_in_c(law.leg.leg, law.leg.leg.parameters, dialect)
     if tree is not None and "rigid" in needed:
         needed |= {"turn"}  # one helper serves all functions of a tree
     inside = {
@@ -151,5 +151,7 @@ def _plausible(law: LawInC, source: str, prefix: str) -> str:
     """Condition that the measurements, or the reference, are plausible."""
     joints = f"{prefix.upper()}_JOINTS"
     measured = [f"{prefix}_plausible(in->{name}, {joints})" for name in ("q", "v")] if source == "reading" else []
-    others = [f"{prefix}_plausible(in->{each.name}, {joints})" for each in law.inputs if each.source == source]
+    others = [
+        f"{prefix}_plausible(in->{each.name}, {each.size or joints})" for each in law.inputs if each.source == source
+    ]
     return " && ".join((*measured, *others))

@@ -102,7 +102,8 @@ def record_type(source: CSource) -> np.dtype:
     real = np.float64 if source.dialect.real == "double" else np.float32
     n = (len(source.content.joints),)
     fields = [("q", real, n), ("v", real, n)]
-    fields += [(each.name, real, n) for each in source.content.inputs]
+    fields += [(each.name, real, n if each.size is None else (each.size,)) for each in source.content.inputs]
+    fields += [("solve", np.uintp)] if source.content.solver else []
     counters = ["reading", *(["target"] if any(each.source == "target" for each in source.content.inputs) else [])]
     return np.dtype([*fields, *((name, np.uint32) for name in counters)], align=True)
 

@@ -11,6 +11,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.codegen import Dialect, LawInC
 from exoid.control.friction import PASSIVE, FrictionCompensation
 from exoid.control.functions import minimum_jerk
 from exoid.control.law import State
@@ -22,6 +23,7 @@ from exoid.rig import Target
 from exoid.rig.ground import GroundPlant, Sole
 from exoid.tools.numbers import checked
 
+from .in_c import stance_in_c
 from .model import BASE, ContactRows, Dynamics, GroundModel
 from .qp import Rows, minimise, require_daqp
 
@@ -123,6 +125,7 @@ class StanceLaw:
     power: FloatArray  # largest power of a joint [W], (n,)
     margin: float  # distance of the centre of pressure from the ends of a sole [m]
     estimate: Estimate | None = None  # estimate, for bands; None if the model is exact
+    rate: float = 1000.0  # rate of its C [Hz]; in Python it has none
 
     def command(self, state: GroundState, target: GroundTarget) -> StanceCommand:
         """Compute torque, accelerations and forces.
@@ -221,6 +224,35 @@ class StanceLaw:
         T = columns[BASE:] - J[:, BASE:].T @ share_map(J[:, :BASE].T, shares, rows, bearing=True) @ columns[:BASE]
         return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", T, self.estimate.covariance, T).clip(0.0)))
 
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe the law in C: that of :meth:`command`, with a solver that the caller gives.
+
+        Args:
+            dialect: Double precision.
+
+        Returns:
+            Description of inputs and tables. Without any contact or solution the step is the safe torque.
+
+        Raises:
+            ExoidError: The precision is single, or a term has no form in C.
+        """
+        numbers: dict[str, tuple[ArrayLike, str]] = {
+            "kp": (self.kp, "gains of angles, of the pitch last [1/s^2]"),
+            "kd": (self.kd, "gains of rates [1/s]"),
+            "most": (self.limit, "largest torque [N m]"),
+            "power": (self.power, "largest power [W]"),
+            "ground_friction": (self.ground_friction, "coefficient of friction that the law may use"),
+            "margin": (self.margin, "distance of the centre of pressure from the ends of a sole [m]"),
+            "weight": (self._weight, "weight of the machine, by which forces are scaled [N]"),
+            "effort": (EFFORT, "square root of the cost of torque [1/(N m)]"),
+            "share_cost": (SHARE, "of forces beside their shares [1/N]"),
+            "drift_cost": (DRIFT, "of the hip [s^2/m]"),
+            "arm": (ARM, "by which forces and moments are compared [m]"),
+            "fading": (FADING, "share over the largest below which a contact fades"),
+            "largest_share": (LARGEST_SHARE, "largest force of a contact that bears all, over the weight"),
+        }
+        return stance_in_c(self.model, self.friction, self.rate, numbers, dialect)
+
     def _setting(
         self, state: GroundState, shares: Mapping[str, float]
     ) -> tuple[Dynamics, list[ContactRows], FloatArray]:
@@ -285,6 +317,7 @@ def stance(
     ground_friction: float = 0.6,
     limit: ArrayLike | None = None,
     power: ArrayLike = np.inf,
+    rate: float = 1000.0,
 ) -> StanceLaw:
     """Make a whole-body law for a machine that stands, sits or steps: joint and torso motion by inverse dynamics.
 
@@ -302,6 +335,7 @@ def stance(
         ground_friction: Coefficient of friction that the law may use, less than that of the ground.
         limit: Largest torque [N·m], a number or (n,); None for the limits of the URDF. Zero for a passive joint.
         power: Largest power of a joint [W], a number or (n,).
+        rate: Rate of the law in C [Hz], for its watchdog.
 
     Returns:
         The law.
@@ -336,6 +370,7 @@ def stance(
         np.broadcast_to(checked(power, "power", above=0.0, infinite=True), n),
         MARGIN + (0.0 if estimate is None else 2.0 * _pressure_std(estimate)),
         estimate,
+        float(checked(rate, "rate", above=0.0)),
     )
 
 

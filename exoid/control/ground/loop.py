@@ -16,6 +16,7 @@ from exoid.rig.ground import GroundMotion, GroundReading
 from .coordinator import Coordinator, Decision
 from .hypotheses import BLOCK, ContactFilter, ContactReadings
 from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw
+from .model import BRAKE
 
 LOADING = 0.15
 """Time in which a foot that touches down takes its share [s], an assumption."""
@@ -28,9 +29,6 @@ LEVEL = 0.05
 
 TURNS = 0.01
 """Planned tilt from which a sole turns about its heel or toe [rad]."""
-
-BRAKE = 5.0
-"""Damping of the joints while nothing touches the ground [N·m·s/rad], an assumption."""
 
 BLENDING = 0.5
 """Time in which the reference moves from one function to the next [s], an assumption."""

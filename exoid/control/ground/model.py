@@ -29,6 +29,9 @@ SOLES: Mapping[str, Mapping[str, Sole]] = MappingProxyType({"bleex": BLEEX_SOLES
 KNOWN_WEIGHT = 0.1
 """Largest relative standard deviation of the total mass with which weight is carried; a guess, not a measurement."""
 
+BRAKE = 5.0
+"""Damping of the joints while nothing touches the ground [N·m·s/rad], an assumption."""
+
 BASE = 3
 """Coordinates of a planar base: hip forward, hip up, pitch."""
 

@@ -1,0 +1,117 @@
+"""The law on the ground in C, with DAQP as its solver, equals the law in Python."""
+
+import ctypes
+
+import numpy as np
+import pytest
+from compiled import COMPILER, needs_compiler
+from compiled_laws import CompiledLaw, build, records, write_all
+
+import exoid
+from exoid.codegen import c_source
+from exoid.control import stance
+from exoid.control.ground import GroundState, GroundTarget, StanceLaw
+from exoid.control.ground.model import BRAKE
+from exoid.control.ground.qp import HARD, SOFT
+from exoid.rig.ground import GroundPlant
+from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES, SEAT
+
+daqp = pytest.importorskip("daqp")
+pytestmark = needs_compiler
+
+KINDS = {"flat": 1.0, "heel": 2.0, "toe": 3.0}
+FRICTION = {"c0_left_knee": 1.5, "d_right_hip": 0.8, "Ia_left_hip": 0.2, "b1_right_knee": 4.0, "b0_left_hip": -1.0}
+PLACES = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int)
+
+
+@ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, *[PLACES[0]] * 5, PLACES[1], PLACES[0])
+def solve(n, m, H, f, A, upper, lower, soft, x):
+    """DAQP as the solver that the C asks for."""
+    H, A = (np.ctypeslib.as_array(each, shape).copy() for each, shape in ((H, (n, n)), (A, (m, n))))
+    f, upper, lower, soft = (
+        np.ctypeslib.as_array(each, (count,)).copy() for each, count in ((f, n), (upper, m), (lower, m), (soft, m))
+    )
+    lower[lower <= -1e30] = -np.inf
+    sense = np.where(soft > 0, SOFT, HARD).astype(np.intc)
+    found, _, flag, _ = daqp.solve(H, f, A, upper, lower, sense)
+    np.ctypeslib.as_array(x, (n,))[:] = found
+    return flag
+
+
+def bleex() -> StanceLaw:
+    soles = {**BLEEX_SOLES, "torso": SEAT}
+    plant = GroundPlant.build(exoid.load_exo("bleex", base="floating"), soles, FRICTION)
+    return stance(plant, kp=(80.0, 90.0, 60.0, 80.0, 90.0, 60.0, 70.0), kd=15.0, power=400.0)
+
+
+def cuhk() -> StanceLaw:
+    plant = GroundPlant.build(exoid.load_exo("cuhk", base="floating"), CUHK_SOLES, FRICTION)
+    return stance(plant, friction=None)
+
+
+def drawn(law: StanceLaw, rng: np.random.Generator) -> tuple[GroundState, GroundTarget]:
+    """Random pose, contacts, shares, wearer and reference."""
+    n, links = law.model.n, [*law.model.soles]
+    touching = rng.permutation(links)[: rng.integers(1, len(links) + 1)]
+    contacts = {str(link): str(rng.choice([*KINDS])) if rng.random() < 0.4 else "flat" for link in touching}
+    shares = {link: float(rng.choice([1.0, rng.uniform(0.0, 1.0), 0.02])) for link in contacts}
+    q, q_d = rng.uniform(-0.2, 0.2, (2, n)) + np.resize([0.3, -0.6, 0.3] if n == 6 else [0.3, 0.6], n)
+    v, v_d, a_d = rng.uniform(-1.0, 1.0, (3, n))
+    pitches, push = rng.uniform(-0.3, 0.3, 5), rng.normal(0.0, rng.choice([20.0, 600.0]), 3)
+    state = GroundState(q, v, *pitches[:2], contacts, shares, rng.normal(0, 5, n), push, pitches[2] / 3)
+    return state, GroundTarget(q_d, v_d, a_d, *pitches[3:], rng.normal())
+
+
+def values_of(law: StanceLaw, state: GroundState, target: GroundTarget) -> dict[str, object]:
+    """Inputs of the C."""
+    links = [*law.model.soles]
+    return {
+        **{name: getattr(state, name) for name in ("q", "v", "interaction", "push", "lean")},
+        "pitch": (state.pitch, state.pitch_rate),
+        "contact": [KINDS.get(state.contacts.get(link), 0.0) for link in links],
+        "share": [state.shares.get(link, 1.0) for link in links],
+        **{"q_d": target.q, "v_d": target.v, "a_d": target.a},
+        "pitch_d": (target.pitch, target.pitch_rate, target.pitch_acceleration),
+        "solve": ctypes.cast(solve, ctypes.c_void_p).value,
+    }
+
+
+@pytest.fixture(scope="module", params=[bleex, cuhk])
+def compiled(request, tmp_path_factory):
+    """The law, and its C."""
+    law, folder = request.param(), tmp_path_factory.mktemp("stance")
+    source = c_source(law, name="stand")
+    path = build(COMPILER, ["-shared", "-fPIC", "-O2"], write_all([source], folder), folder / "law.so")
+    return law, CompiledLaw(source, ctypes.CDLL(str(path)))
+
+
+def test_c_is_the_law_in_random_states(compiled):
+    """To the accuracy of the solver; three contacts, which hold some direction twice, are the worst."""
+    law, in_c = compiled
+    rng, off, infeasible = np.random.default_rng(1000), {1: 0.0, 2: 0.0, 3: 0.0}, 0
+    for _ in range(300):
+        state, target = drawn(law, rng)
+        expected = law.command(state, target)
+        tau, status, _ = in_c.run(records(in_c.source, 1, values_of(law, state, target)))
+        assert status[0] == 0
+        infeasible += not expected.feasible
+        count = len(state.contacts)
+        off[count] = max(off[count], np.abs(tau[0] - expected.torque).max() / np.abs(law.limit).max())
+    print(f"{infeasible} infeasible; largest difference over the limit by number of contacts: {off}")
+    assert off[1] < 1e-9
+    assert max(off.values()) < 1e-7
+    assert infeasible >= 5
+
+
+@pytest.mark.parametrize("change", [{"contact": 0.0}, {"solve": 0}], ids=["in the air", "no solver"])
+def test_without_support_or_solver_joints_are_damped(compiled, change):
+    law, in_c = compiled
+    values = {**values_of(law, *drawn(law, np.random.default_rng(0))), **change}
+    tau, status, _ = in_c.run(records(in_c.source, 1, values))
+    assert status[0] != 0
+    np.testing.assert_allclose(tau[0], -BRAKE * values["v"])
+
+
+def test_single_precision_is_refused():
+    with pytest.raises(exoid.ExoidError, match="single precision"):
+        c_source(cuhk(), precision="float")
