@@ -20,6 +20,7 @@ from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.codegen import CSource
+    from exoid.control.ground import StanceLaw
     from exoid.control.law import AnyLaw
     from exoid.estimate import Estimate
 
@@ -28,6 +29,9 @@ WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 
 OBSERVER = "momentum_observer"
 """Name of the observer, which gives the torque of the wearer in place of a command."""
+
+GROUND = "stance"
+"""Name of the whole-body law of a machine on the ground."""
 
 
 def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSource:
@@ -40,12 +44,17 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
         "gravity_support": (*gains, "amplification", "bandwidth"),
         "sensitivity_amplification": (*gains, "share"),
         OBSERVER: (*gains, "limit", "slew", "share", "amplification"),
+        GROUND: (*gains, "slew", "share", "amplification", "bandwidth"),
     }.get(name, ("share", "amplification", "bandwidth"))
     safety = Safety(options.safe or default.safe, patience=patience)
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")
-    law = (
-        _observer(estimate, options) if name == OBSERVER else _limited(_law(estimate, name, options), estimate, options)
-    )
+    law: object
+    if name == OBSERVER:
+        law = _observer(estimate, options)
+    elif name == GROUND:
+        law = _on_ground(estimate, options)
+    else:
+        law = _limited(_law(estimate, name, options), estimate, options)
     precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
     if target.ros2 is not None:
         return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
@@ -68,7 +77,7 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=rate)
     known = (*control.LAWS, *WORN)
     if name not in known:
-        all_of_them = (*known, OBSERVER)
+        all_of_them = (*known, OBSERVER, GROUND)
         remedy = f"{nearest(name, all_of_them)}use one of {', '.join(all_of_them)}"
         raise BadArgumentError(f"--law {name}: no such controller", remedy=remedy)
     reference, period, _ = gait_or_rest(model.leg, options.role)
@@ -91,6 +100,13 @@ def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserv
         )
     bandwidth, rate = _or(options.bandwidth, 8.0), _or(options.rate, 100.0)
     return control.MomentumObserver(estimate, bandwidth, rate, torque_delay=0.0)
+
+
+def _on_ground(estimate: Estimate, options: LawOptions) -> StanceLaw:
+    """Law with the gains, soles and friction cone that Python has as its defaults."""
+    labels = estimate.leg.joint_labels
+    limit = None if options.limit is None else joint_values(options.limit, "--limit", labels)
+    return control.stance(estimate, limit=limit, rate=_or(options.rate, 500.0))
 
 
 def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:

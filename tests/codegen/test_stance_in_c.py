@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 import pytest
-from compiled import COMPILER, needs_compiler
+from compiled import COMPILER, made_up, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 
 import exoid
@@ -115,3 +115,16 @@ def test_without_support_or_solver_joints_are_damped(compiled, change):
 def test_single_precision_is_refused():
     with pytest.raises(exoid.ExoidError, match="single precision"):
         c_source(cuhk(), precision="float")
+
+
+def test_the_command_writes_the_law_of_a_machine_on_the_ground(exoid_, tmp_path):
+    machine, model = exoid.load_exo("bleex", base="floating"), exoid.load_leg("bleex")
+    for name, leg in (("stands", machine), ("held", model)):
+        made_up(leg, (exoid.Viscous(),)).save(tmp_path / f"{name}.json")
+    done = exoid_("export", tmp_path / "stands.json", "--law", "stance", "--limit", "90", "--c", tmp_path / "law.c")
+    assert done.code == 0, done.err
+    assert "law_largest" in (tmp_path / "law.c").read_text()
+    assert "solve" in (tmp_path / "law.h").read_text()
+    refused = exoid_("export", tmp_path / "held.json", "--law", "stance", "--c", tmp_path / "other.c")
+    assert refused.code == 2
+    assert "base that floats" in refused.err
