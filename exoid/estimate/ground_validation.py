@@ -10,6 +10,8 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
+from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
@@ -18,13 +20,17 @@ from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
-from exoid.torques.contacts.stretches import Stretch
+from exoid.torques.contacts.standing_base import LEVEL as GROUND_LEVEL
+from exoid.torques.contacts.standing_base import StandingBase, standing_base
+from exoid.torques.contacts.stretches import Split, Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .data import EstimateData
 from .torque_band import parameter_variance
 
 LEVEL = 0.95  # probability that a band contains a measured torque
+FORCE = 0.2  # standard deviation of the bias of a sensor that no foot told [m/s²]
+PIECE, BLOCK = 0.25, 1.5  # times in which a foot that rocks leans alike, and beyond which noise is not correlated [s]
 T = TypeVar("T", bound=tuple[FloatArray, ...])
 
 
@@ -70,7 +76,7 @@ def compare_on_ground(
     # several do, only the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is
     # compared.
     leg = estimate.model.leg
-    stretches = split(leg, for_leg(estimate.model, recording), preparation).stretches
+    stretches = find_ground(estimate, split(leg, for_leg(estimate.model, recording), preparation)).stretches
     if not unknown_wrenches:
         resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
         stretches = tuple(each for each in stretches if not {*each.links} & resting)
@@ -81,6 +87,89 @@ def compare_on_ground(
                 remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
             )
     return in_time_order([_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches])
+
+
+class Ground(NamedTuple):
+    """How the ground under a recording leans, or how far the sensor on its base is off, by its own torques."""
+
+    stretches: Sequence[Stretch]  # with the motion of the base on this ground
+    directions: FloatArray  # rotation vectors of a lean [rad], or specific forces [m/s²], (K, 3)
+    values: FloatArray  # multiples of these, which the stretches have already, (K,)
+    covariance: FloatArray  # covariance at each time, with that of a foot that rocks, (K, K)
+
+    def moved(self, leg: Leg, recording: Recording, change: FloatArray) -> Recording:
+        """Let the base of a stretch move as on a ground that is changed by so much."""
+        base = recording.base
+        if isinstance(base, StandingBase):
+            lean = (self.values + change) @ self.directions
+            return replace(recording, base=standing_base(leg, recording, base.link, lean=lean))
+        if base is None or not len(self.directions):
+            return recording
+        force = base.specific_force - change @ self.directions
+        return replace(recording, base=replace(base, specific_force=force))
+
+
+def level_ground(leg: Leg, stretches: Sequence[Stretch]) -> Ground:
+    """Take the ground for level but for half a degree, and sensors for right."""
+    stands = any(isinstance(stretch.recording.base, StandingBase) for stretch in stretches)
+    axes = np.eye(3)[:2] if leg.base_rows == 6 else np.array([leg.plane.lateral])
+    axes = axes if stands else axes[:0]
+    return Ground(stretches, axes, np.zeros(len(axes)), GROUND_LEVEL**2 * np.eye(len(axes)))
+
+
+def find_ground(estimate: EstimateData, parts: Split) -> Ground:
+    """Find what torques of a recording say of the ground under it, by the estimate.
+
+    r = τ − W β = −D c + noise with D by differences and c ~ N(0, σ²): of a foot that carries the base c is the lean of
+    the ground; of a sensor whose bias is not known, or was told by feet on this ground, it is this bias.
+    """
+    model, leg = estimate.model, estimate.model.leg
+    ground, first = level_ground(leg, parts.stretches), parts.stretches[0].recording.base
+    if leg.base_rows and first is not None and first.pose is None and not first.calibrated:
+        pushes = np.eye(3) if leg.base_rows == 6 else np.array([leg.plane.forward, leg.plane.up])
+        size = FORCE if parts.imu is None else GRAVITY * GROUND_LEVEL
+        ground = Ground(parts.stretches, pushes, np.zeros(len(pushes)), size**2 * np.eye(len(pushes)))
+    count, steps = len(ground.directions), np.sqrt(ground.covariance)
+    if not count or any(
+        stretch.recording.tau is None or not stretch.recording.measured.all() for stretch in parts.stretches
+    ):
+        return ground
+    pieces = list[tuple[FloatArray, FloatArray, FloatArray]]()
+    for stretch in parts.stretches:
+        recording, links = stretch.recording, stretch.links
+        axes = reference_axes(leg, links, recording.q[recording.mask]) if links else None
+        support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
+        if not links:
+            continue
+        weights = _noise(estimate, support.row_names) ** -0.5
+        rows, *others = (
+            make_rows(support, ground.moved(leg, recording, step), estimate.preparation)
+            for step in (np.zeros(count), *steps)
+        )
+        left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in (rows, *others))
+        D = np.stack([left - each for each in moved], axis=-1) / steps.diagonal()
+        starts = np.flatnonzero(np.diff(np.floor(rows.time / PIECE), prepend=np.nan))
+        each = zip(
+            *(np.split(x, starts[1:]) for x in (D.reshape(len(left), -1, count), left, rows.W * weights[:, None])),
+            strict=True,
+        )
+        for d, r, W in each:
+            d, W = d.reshape(-1, count), W.reshape(-1, W.shape[-1])
+            pieces.append((d.T @ d, d.T @ r.ravel(), d.T @ W))
+    if not pieces:
+        return ground
+    known, right, by_values = (sum(part) for part in zip(*pieces, strict=True))
+    inverse = np.linalg.inv(known + np.linalg.inv(ground.covariance))
+    values = inverse @ right
+    turned = inverse @ by_values
+    apart = np.array(
+        [np.linalg.solve(info + np.linalg.inv(ground.covariance), score - info @ values) for info, score, _ in pieces]
+    )
+    # a foot rocks from piece to piece, a bias stays
+    share = 1.0 if isinstance(first, StandingBase) else BLOCK / (PIECE * len(pieces))
+    covariance = inverse + turned @ estimate.covariance @ turned.T + share * apart.T @ apart / len(pieces)
+    stretches = [s._replace(recording=ground.moved(leg, s.recording, values)) for s in parts.stretches]
+    return Ground(stretches, ground.directions, values, covariance)
 
 
 def in_time_order(parts: Sequence[T]) -> T:

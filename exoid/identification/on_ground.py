@@ -19,7 +19,7 @@ from exoid.signals.base_checks import flies
 from exoid.signals.cutoff import robust_std, white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
-from exoid.torques.contacts.imu import ImuErrors
+from exoid.torques.contacts.imu import ROCKS, ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
@@ -34,7 +34,7 @@ from .row_changes import FORCE, Footing, contact_offsets, find_footing, residual
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
-ROCKS = 0.05  # feet of which one session tells biases that differ by so much [m/s²] rock by 5 mrad: torques tell it
+ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
 STEEPEST = np.deg2rad(10.0)  # a lean from which on torques are not asked once more: they, or the model, are wrong
 MEASURED = "measured"
 """Name of the samples at which no wrench is unknown."""
@@ -55,20 +55,39 @@ def fit_on_ground(
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit_linear(problem, estimator)
-    found = find_footing(fitted)
-    if found is not None and found.leans is not None and np.linalg.norm(lean) < STEEPEST:
-        return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + found.leans)
-    if found is None or found.level is not None:
+    found = find_footing(fitted, lean=lean)
+    leans = None if found is None or np.linalg.norm(lean) > STEEPEST else found.leans
+    if leans is not None and not (found and found.links and lean.any()):
+        return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + leans)
+    if found is None or (not found.links and found.level is not None):
         fitted = fitted._replace(findings=tuple(contact_offsets(fitted)) if check else ())
         return _suspended(fitted if found is None else _leaning(fitted, found, lean), estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-    footing = find_footing(fit_linear(problem, estimator), found) or found
+    footing = find_footing(fit_linear(problem, estimator), found, lean=lean) or found
     fitted = fit_linear(tilted(problem, footing, found), estimator)
+    fitted, footing = _rocking(fitted, footing, estimator)
     slopes = footing.found.slopes
     doubt = slopes @ footing.found.spread @ slopes.T
     findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
     return fitted._replace(findings=findings, doubt=doubt)
+
+
+def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fitted, Footing]:
+    """Find how feet rock that carry a base, where their lean is not the same in all blocks of time."""
+    least = ROCKS / GRAVITY
+    known, level = footing.rocks, (fitted, footing)
+    if known < ASKED * least:
+        return level
+    for _ in range(ROUNDS):  # masses and leans need each other
+        before, footing = footing, find_footing(fitted, footing, lean=footing.given, rocking=True) or footing
+        fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
+        if footing.rocks < least:
+            return level
+        if abs(footing.rocks - known) < 0.02 * known:
+            break
+        known = footing.rocks
+    return fitted, footing
 
 
 def _leaning(fitted: Fitted, footing: Footing, lean: FloatArray) -> Fitted:
@@ -157,6 +176,8 @@ def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> lis
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None]
     if len(known) > 1 and np.std([errors.force_bias for errors in known], axis=0).max() > ROCKS:
+        apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) / GRAVITY
+        findings.append(_rocking_finding(apart, "they tell no bias of the base's sensor"))
         every, known = [split(model.leg, one, smears, lean=None) for one in data], []
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
@@ -243,6 +264,8 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
         for foot, x in parts.late.items()
     ]
+    if parts.rocks:
+        late.append(_rocking_finding(parts.rocks, "they tell no bias of the base's sensor", name))
     return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),
@@ -252,6 +275,13 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         for kind, share, many, message, remedy in rows
         if share > 0.0
     ]
+
+
+def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:
+    """Say that a foot that counts as flat rocks."""
+    text = f"feet that are said to stand flat rock by {1e3 * angle:.2g} mrad (standard deviation): {then}"
+    remedy = "check soles, contacts and the play of joints; stand on flat soles, or say that feet stand on an edge"
+    return Finding("rocking-foot", "", angle, "rad", "warning", text, remedy, None, parameters, name)
 
 
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
@@ -316,6 +346,9 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         interval = (c - half, c + half)
         findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
     model, level = fitted.models[0], slice(len(footing.links), len(footing.links) + len(footing.axes))
+    if footing.knots:
+        then = "how they lean at each time follows from the torques, and its error is part of all intervals"
+        findings.append(_rocking_finding(footing.rocks, then, "", model.leg.parameter_names))
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
         findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))

@@ -71,6 +71,7 @@ class Split(NamedTuple):
         stretches: One for each set of links that rest by unknown wrenches.
         left: Samples that were left out.
         imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
+        rocks: Angle by which feet rock that therefore tell none [rad, standard deviation]; zero for feet that rest.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
@@ -79,6 +80,7 @@ class Split(NamedTuple):
     stretches: tuple[Stretch, ...]
     left: Left
     imu: ImuErrors | None
+    rocks: float
     visible: float
     near: float
     late: Mapping[str, float]
@@ -131,7 +133,7 @@ def split(
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    recording, imu, slip = _without_bias(leg, recording, soles, session, lean)
+    recording, imu, rocks, slip = _without_bias(leg, recording, soles, session, lean)
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
@@ -152,7 +154,7 @@ def split(
                 if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
             }
             loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
-            base = _base(leg, recording, resting)
+            base = _base(leg, recording, resting, lean)
             if base is None and leg.base_rows and leg.description.root_link not in links:
                 floating |= usable
                 continue
@@ -175,17 +177,19 @@ def split(
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(_share(part, counted) for part in parts))
-    return Split(tuple(found), left_out, imu, slip.visible, near, late)
+    return Split(tuple(found), left_out, imu, rocks, slip.visible, near, late)
 
 
 def _without_bias(
     leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, lean: ArrayLike | None
-) -> tuple[Recording, ImuErrors | None, Slip]:
-    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
-    recording, slip = raw, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
+) -> tuple[Recording, ImuErrors | None, float, Slip]:
+    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, rocking, and slips."""
+    recording, rocks, slip = raw, 0.0, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(leg, raw, rests, lean) if leg.base_rows and lean is not None else None
+        rocks = 0.0 if imu is None else imu.rocks
+        imu = None if rocks else imu
         errors = imu or session
         if errors is not None and raw.base is not None and not raw.base.calibrated:
             told = bool(errors.gyro_bias.any() or errors.force_bias.any())  # of level ground: torques may say otherwise
@@ -194,7 +198,7 @@ def _without_bias(
             slip = sliding(leg, recording, recording.base, soles)
         if not slip.slides.any():
             break
-    return recording, imu, slip
+    return recording, imu, rocks, slip
 
 
 def _share(part: BoolArray, counted: BoolArray) -> float:
@@ -276,9 +280,9 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
 
 
-def _base(leg: Leg, recording: Recording, resting: Sequence[str]) -> BaseMotion | None:
-    """Motion of the base: as it was measured, or as a foot that rests flat on level ground says; None without both."""
+def _base(leg: Leg, recording: Recording, resting: Sequence[str], lean: ArrayLike | None) -> BaseMotion | None:
+    """Motion of the base: as it was measured, or as a foot that rests flat on the ground says; None without both."""
     if not leg.base_rows or recording.base is not None:
         return recording.base
     feet = [link for link in resting if link != leg.description.root_link and leg.contact_kind(link) == "flat"]
-    return standing_base(leg, recording, feet[0]) if feet else None
+    return standing_base(leg, recording, feet[0], lean=(0.0, 0.0, 0.0) if lean is None else lean) if feet else None
