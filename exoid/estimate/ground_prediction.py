@@ -160,8 +160,8 @@ def stretch_forces(estimate: EstimateData, ground: Ground, stretch: Stretch, fee
 def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Generator) -> Iterator[Recording]:
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more; lean the ground."""
     size, base = white_noise(recording.q), recording.base
-    # Noise is added to a motion three times, to see what it does to forces. The ground changes in three directions by √3
-    # of its standard deviation: the mean square of the effects is that of each.
+    # Noise is added to a motion three times, to see what it does to forces. The ground changes in each direction once,
+    # by √3 of its standard deviation: the mean square of the effects is the sum of those of each.
     root = np.linalg.cholesky(ground.covariance)
     for k in range(3):
         q, wrenches = recording.q + size * rng.standard_normal(recording.q.shape), {}
@@ -172,7 +172,7 @@ def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Gene
         if base is not None and not isinstance(base, StandingBase):
             columns = base.columns + white_noise(base.columns) * rng.standard_normal(base.columns.shape)
             shaken = replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
-        yield ground.moved(leg, shaken, np.sqrt(3.0) * root[:, k] if k < len(root) else np.zeros(len(root)))
+        yield ground.under(leg, shaken, np.sqrt(3.0) * root[:, k] if k < len(root) else np.zeros(len(root)))
 
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> _Solution:

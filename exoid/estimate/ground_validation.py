@@ -13,14 +13,13 @@ from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
-from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
-from exoid.torques.contacts.standing_base import LEVEL as GROUND_LEVEL
+from exoid.torques.contacts.standing_base import LEVEL as TILT
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
 from exoid.torques.contacts.stretches import Split, Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
@@ -32,20 +31,6 @@ LEVEL = 0.95  # probability that a band contains a measured torque
 FORCE = 0.2  # standard deviation of the bias of a sensor that no foot told [m/s²]
 PIECE, BLOCK = 0.25, 1.5  # times in which a foot that rocks leans alike, and beyond which noise is not correlated [s]
 T = TypeVar("T", bound=tuple[FloatArray, ...])
-
-
-class StandingTorques(NamedTuple):
-    """Torques that an estimate predicts for a leg on the ground.
-
-    Attributes:
-        time: Samples at which they follow from the motion [s], (N,).
-        torque: Torques of the joints [N·m], (N, n).
-        half: Half the width of the 95 % band of a measured torque [N·m], (N, n).
-    """
-
-    time: FloatArray
-    torque: FloatArray
-    half: FloatArray
 
 
 class Compared(NamedTuple):
@@ -90,86 +75,64 @@ def compare_on_ground(
 
 
 class Ground(NamedTuple):
-    """How the ground under a recording leans, or how far the sensor on its base is off, by its own torques."""
+    """Ground under a recording: its lean, or what the sensor on the base is off by, as feet took it for level."""
 
-    stretches: Sequence[Stretch]  # with the motion of the base on this ground
-    directions: FloatArray  # rotation vectors of a lean [rad], or specific forces [m/s²], (K, 3)
-    values: FloatArray  # multiples of these, which the stretches have already, (K,)
-    covariance: FloatArray  # covariance at each time, with that of a foot that rocks, (K, K)
+    stretches: Sequence[Stretch]  # those of the recording, whose base moves as it does on this ground
+    directions: FloatArray = np.zeros((0, 3))  # rotation vectors [rad], or specific forces [m/s²], (K, 3)
+    values: FloatArray = np.zeros(0)  # multiples of these, (K,)
+    covariance: FloatArray = np.zeros((0, 0))  # covariance at each time, with that of a foot that rocks, (K, K)
 
-    def moved(self, leg: Leg, recording: Recording, change: FloatArray) -> Recording:
-        """Let the base of a stretch move as on a ground that is changed by so much."""
+    def under(self, leg: Leg, recording: Recording, more: FloatArray) -> Recording:
+        """Let the base of a recording move as on a ground with these values, and more in this one."""
         base = recording.base
         if isinstance(base, StandingBase):
-            lean = (self.values + change) @ self.directions
+            lean = (self.values + more) @ self.directions
             return replace(recording, base=standing_base(leg, recording, base.link, lean=lean))
         if base is None or not len(self.directions):
             return recording
-        force = base.specific_force - change @ self.directions
-        return replace(recording, base=replace(base, specific_force=force))
-
-
-def level_ground(leg: Leg, stretches: Sequence[Stretch]) -> Ground:
-    """Take the ground for level but for half a degree, and sensors for right."""
-    stands = any(isinstance(stretch.recording.base, StandingBase) for stretch in stretches)
-    axes = np.eye(3)[:2] if leg.base_rows == 6 else np.array([leg.plane.lateral])
-    axes = axes if stands else axes[:0]
-    return Ground(stretches, axes, np.zeros(len(axes)), GROUND_LEVEL**2 * np.eye(len(axes)))
+        return replace(recording, base=replace(base, specific_force=base.specific_force - more @ self.directions))
 
 
 def find_ground(estimate: EstimateData, parts: Split) -> Ground:
-    """Find what torques of a recording say of the ground under it, by the estimate.
-
-    r = τ − W β = −D c + noise with D by differences and c ~ N(0, σ²): of a foot that carries the base c is the lean of
-    the ground; of a sensor whose bias is not known, or was told by feet on this ground, it is this bias.
-    """
-    model, leg = estimate.model, estimate.model.leg
-    ground, first = level_ground(leg, parts.stretches), parts.stretches[0].recording.base
-    if leg.base_rows and first is not None and first.pose is None and not first.calibrated:
-        pushes = np.eye(3) if leg.base_rows == 6 else np.array([leg.plane.forward, leg.plane.up])
-        size = FORCE if parts.imu is None else GRAVITY * GROUND_LEVEL
-        ground = Ground(parts.stretches, pushes, np.zeros(len(pushes)), size**2 * np.eye(len(pushes)))
-    count, steps = len(ground.directions), np.sqrt(ground.covariance)
-    if not count or any(
-        stretch.recording.tau is None or not stretch.recording.measured.all() for stretch in parts.stretches
-    ):
-        return ground
-    pieces = list[tuple[FloatArray, FloatArray, FloatArray]]()
-    for stretch in parts.stretches:
-        recording, links = stretch.recording, stretch.links
-        axes = reference_axes(leg, links, recording.q[recording.mask]) if links else None
-        support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
-        if not links:
+    """Find how the ground under a recording leans, or the bias of its sensor, from its torques."""
+    # τ − W β = −D c + noise, D by differences, c ~ N(0, σ²), gives c and what β leaves open of it. How pieces of the
+    # recording differ tells how a foot rocks, and how far the mean of c is off.
+    leg, stretches, base = estimate.model.leg, parts.stretches, parts.stretches[0].recording.base
+    stands, planar = isinstance(base, StandingBase), leg.base_rows == 3
+    if stands:
+        directions, size = (leg.plane.lateral[np.newaxis] if planar else np.eye(3)[:2]), TILT
+    elif not leg.base_rows or base is None or base.pose is not None or base.calibrated:
+        return Ground(stretches)
+    else:
+        directions = np.array([leg.plane.forward, leg.plane.up]) if planar else np.eye(3)
+        size = FORCE if parts.imu is None else GRAVITY * TILT
+    count, found = len(directions), list[tuple[FloatArray, ...]]()
+    level = Ground(stretches, directions, np.zeros(count), size**2 * np.eye(count))
+    for stretch in stretches:
+        recording = stretch.recording
+        if not stretch.links or recording.tau is None or not recording.measured.all():
             continue
+        support = _support(estimate, stretch)
+        steps = size * np.vstack([np.zeros(count), np.eye(count)])
+        rows = [make_rows(support, level.under(leg, recording, step), estimate.preparation) for step in steps]
         weights = _noise(estimate, support.row_names) ** -0.5
-        rows, *others = (
-            make_rows(support, ground.moved(leg, recording, step), estimate.preparation)
-            for step in (np.zeros(count), *steps)
-        )
-        left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in (rows, *others))
-        D = np.stack([left - each for each in moved], axis=-1) / steps.diagonal()
-        starts = np.flatnonzero(np.diff(np.floor(rows.time / PIECE), prepend=np.nan))
-        each = zip(
-            *(np.split(x, starts[1:]) for x in (D.reshape(len(left), -1, count), left, rows.W * weights[:, None])),
-            strict=True,
-        )
-        for d, r, W in each:
-            d, W = d.reshape(-1, count), W.reshape(-1, W.shape[-1])
-            pieces.append((d.T @ d, d.T @ r.ravel(), d.T @ W))
-    if not pieces:
-        return ground
-    known, right, by_values = (sum(part) for part in zip(*pieces, strict=True))
-    inverse = np.linalg.inv(known + np.linalg.inv(ground.covariance))
-    values = inverse @ right
-    turned = inverse @ by_values
-    apart = np.array(
-        [np.linalg.solve(info + np.linalg.inv(ground.covariance), score - info @ values) for info, score, _ in pieces]
-    )
-    # a foot rocks from piece to piece, a bias stays
-    share = 1.0 if isinstance(first, StandingBase) else BLOCK / (PIECE * len(pieces))
-    covariance = inverse + turned @ estimate.covariance @ turned.T + share * apart.T @ apart / len(pieces)
-    stretches = [s._replace(recording=ground.moved(leg, s.recording, values)) for s in parts.stretches]
-    return Ground(stretches, ground.directions, values, covariance)
+        left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
+        D = np.stack([left - each for each in moved], axis=-1) / size
+        starts = np.flatnonzero(np.diff(np.floor(rows[0].time / PIECE), prepend=np.nan))
+        others = D, left[..., np.newaxis], weights[:, np.newaxis] * rows[0].W
+        found.append(tuple(np.add.reduceat(np.einsum("nrk,nrp->nkp", D, other), starts) for other in others))
+    if not found:
+        return level
+    known, scores, of_values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    prior = size**-2.0 * np.eye(count)
+    inverse = np.linalg.inv(known.sum(axis=0) + prior)
+    values = (inverse @ scores.sum(axis=0))[:, 0]
+    slopes = inverse @ of_values.sum(axis=0)
+    apart = np.linalg.solve(known + prior, scores - known @ values[:, np.newaxis])[..., 0]
+    share = 1.0 if stands else min(1.0, BLOCK / (PIECE * len(apart)))
+    covariance = inverse + slopes @ estimate.covariance @ slopes.T + share * apart.T @ apart / len(apart)
+    stretches = tuple(each._replace(recording=level.under(leg, each.recording, values)) for each in stretches)
+    return Ground(stretches, directions, values, covariance)
 
 
 def in_time_order(parts: Sequence[T]) -> T:
@@ -178,63 +141,29 @@ def in_time_order(parts: Sequence[T]) -> T:
     return type(parts[0])(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
 
 
-def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorques:
-    """Predict the joint torques of a leg on the ground from its motion, and from wrenches where they were measured.
-
-    τ = W_q β − Σ J_qᵀ w_c for measured wrenches w_c. Where one link rests by an unknown wrench, the equation of the
-    base gives it. Where several do, the torques do not follow from the motion, and the samples are left out.
-
-    Args:
-        estimate: The estimate.
-        recording: Motion with contacts or wrenches; its torques are not used.
-
-    Returns:
-        Torques, low-passed as rows of the estimate are.
-
-    Raises:
-        ExoidError: Several links rest by unknown wrenches throughout, or nothing else is left of the recording.
-    """
-    model = estimate.model
-    silent = replace(for_leg(model, recording), tau=np.zeros_like(recording.q))
-    found = []
-    for stretch in split(model.leg, silent, estimate.preparation).stretches:
-        axes = reference_axes(model.leg, stretch.links, silent.q) if stretch.links else None
-        if axes is not None:
-            continue
-        support = SupportModel.of(model.loaded_by(estimate.values), stretch.links, None)
-        rows = make_rows(support, stretch.recording, estimate.preparation)
-        joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
-        torque = (rows.W @ estimate.values - rows.tau)[:, joints]
-        noise = _noise(estimate, support.row_names)[joints]
-        variance = parameter_variance(estimate.covariance, rows.W[:, joints]) + noise
-        found.append(StandingTorques(rows.time, torque, half_width(LEVEL, estimate.dof) * np.sqrt(variance)))
-    if not found:
-        raise NotSupportedError(
-            "several links rest by unknown wrenches throughout, and torques do not follow from the motion",
-            where=source_of(recording),
-            remedy="measure the wrenches, or record motions on one foot",
-        )
-    return in_time_order(found)
+def _support(estimate: EstimateData, stretch: Stretch) -> SupportModel:
+    """Torque model while the same links rest."""
+    model, links, recording = estimate.model, stretch.links, stretch.recording
+    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
+    return SupportModel.of(model.loaded_by(estimate.values), links, axes)
 
 
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
     """Predict the torques while the same links rest."""
-    model, links, recording = estimate.model, stretch.links, stretch.recording
-    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
-    support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
-    rows = make_rows(support, recording, preparation)
+    links, recording, support = stretch.links, stretch.recording, _support(estimate, stretch)
+    axes, rows = support.axes, make_rows(support, recording, preparation)
     known = np.zeros_like(rows.tau) if rows.known is None else rows.known
     measured, predicted = rows.tau + known, rows.W @ estimate.values + known
     q = recording.q[np.searchsorted(recording.time, rows.time)]
     variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * _noise(estimate, support.row_names)
     variance = variance + wrench_variance(estimate, recording, preparation, q, links, axes)
     if axes is not None:
-        loop = eliminate(model.leg, links, q, axes).loop
+        loop = eliminate(estimate.model.leg, links, q, axes).loop
         assert loop is not None
         parts = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted, known))
         measured, predicted, known = parts
         variance = np.einsum("njr,nr->nj", loop**2, variance)
-    joints = slice(measured.shape[1] - len(model.joint_names), None)  # rows of the base stand before them, if any
+    joints = slice(measured.shape[1] - len(estimate.joint_names), None)  # rows of the base stand before them, if any
     return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
 
 

@@ -56,9 +56,8 @@ def fit_on_ground(
         raise
     fitted = fit_linear(problem, estimator)
     found = find_footing(fitted, lean=lean)
-    leans = None if found is None or np.linalg.norm(lean) > STEEPEST else found.leans
-    if leans is not None and not (found and found.links and lean.any()):
-        return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + leans)
+    if found is not None and found.leans is not None and np.linalg.norm(lean) < STEEPEST:
+        return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + found.leans)
     if found is None or (not found.links and found.level is not None):
         fitted = fitted._replace(findings=tuple(contact_offsets(fitted)) if check else ())
         return _suspended(fitted if found is None else _leaning(fitted, found, lean), estimator)

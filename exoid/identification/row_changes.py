@@ -67,7 +67,7 @@ class Footing(NamedTuple):
     # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases
     found: RowChanges
     level: FloatArray | None = None  # level axes, where feet told the biases as if on level ground, (L, 3)
-    given: FloatArray = np.zeros(3)  # lean with which feet told the biases of other recordings, (3,)
+    given: FloatArray = np.zeros(3)  # lean that was taken into account before, (3,)
     # numbers after all these, by the angles of a recording: lean of its foot beside that of the ground [rad]
     knots: Mapping[bytes, range] = MappingProxyType({})
 
@@ -79,7 +79,7 @@ class Footing(NamedTuple):
     @property
     def lean(self) -> FloatArray:
         """Lean of the ground, a rotation vector [rad], (3,)."""
-        return self.found.values[len(self.links) :][: len(self.axes)] @ self.axes
+        return self.given + self.found.values[len(self.links) :][: len(self.axes)] @ self.axes
 
     @property
     def imu(self) -> ImuErrors:
@@ -92,14 +92,10 @@ class Footing(NamedTuple):
     @property
     def leans(self) -> FloatArray | None:
         """Lean of the ground that torques say beside the biases that feet told, a rotation vector [rad], (3,)."""
-        if self.level is None:
+        c, std = (x[len(self.links) :] for x in (self.found.values, np.sqrt(np.diag(self.found.covariance))))
+        if self.level is None or (np.abs(c) <= 4.0 * std).all():
             return None
-        axes, part = (self.axes, slice(first := len(self.links), first + len(self.axes)))
-        if not self.links:
-            axes, part = FORCE / GRAVITY * self.level, slice(None)
-        more = self.found.values[part] - self.axes @ self.given if self.links else self.found.values
-        std = np.sqrt(np.diag(self.found.covariance))[part]
-        return more @ axes if (np.abs(more) > 4.0 * std).any() else None
+        return c @ (self.axes if self.links else FORCE / GRAVITY * self.level)
 
     def lean_during(self, one: Recording, lateral: FloatArray) -> FloatArray:
         """Lean of the foot that carries the base of a recording, rotation vectors [rad], (3,) or (N, 3)."""
@@ -139,15 +135,13 @@ def find_footing(
     turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
     axes, sensor = (turns[:2] if links else turns[:0]), scipy.linalg.block_diag(GYRO * turns, FORCE * pushes)
     level = turns[:2] if rested and biased else None
-    if level is not None:  # the ground that leans turns gravity; where feet carry a base too, by as much as under these
+    if level is not None:  # the ground that leans turns gravity
         sensor = FORCE * np.hstack([np.zeros_like(level), np.cross(level, up)])
     counts = len(links), len(axes), len(sensor) if biased and not (rested and links) else 0
     # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
     steps, prior = (np.repeat([c, LEVEL, 1.0], counts) for c in (SOFT, 1e-4))
     given = np.zeros(3) if lean is None else lean
-    start, knots = np.concatenate([np.zeros(counts[0]), axes @ given, np.zeros(counts[2])]), dict[bytes, range]()
-    if about is not None:
-        start, knots = about.found.values, dict(about.knots)
+    start, knots = (np.zeros(len(steps)), {}) if about is None else (about.found.values, dict(about.knots))
     for one in data if rocking else ():  # a foot that rocks leans otherwise at each time, by a cubic spline
         if isinstance(one.base, StandingBase) and one.q.tobytes() not in knots:
             count = int((one.time[-1] - one.time[0]) / KNOT) + 4
@@ -311,12 +305,10 @@ def row_changes(
 def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:
     """Let the feet that carry the base tilt on their soles, and the ground lean; take the bias of the sensor out."""
     # A base that feet carry follows from the angles once more; of a bias, a part has been taken out before
-    compliance, imu, more = footing.compliance, footing.imu, footing.lean - footing.given
+    compliance, imu = footing.compliance, footing.imu
     if before is not None:
-        gone, more = before.imu, footing.lean - before.lean
+        gone = before.imu
         imu = imu._replace(gyro_bias=imu.gyro_bias - gone.gyro_bias, force_bias=imu.force_bias - gone.force_bias)
-    if footing.level is not None and footing.links:  # of other recordings feet told the biases, on the same ground
-        imu = imu._replace(force_bias=imu.force_bias + GRAVITY * np.cross(more, problem.groups[0].model.leg.plane.up))
 
     def tilt(model: TorqueModel, one: Recording) -> Recording:
         if isinstance(one.base, StandingBase):

@@ -96,7 +96,6 @@ def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, rocks):
     logs = [both.recording, left.recording, mirrored(other).recording]
     estimate = exoid.identify(exo, logs, TERMS, check=False)
     deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
-    print(rocks, np.sqrt(np.mean(np.square(deviations))), np.mean(np.abs(deviations) < 2), np.round(np.abs(estimate.values[:22] / exo.parameters - 1), 3))
     named = [one for one in estimate.findings if one.kind == "rocking-foot"]
     assert len(named) == rocks
     assert np.sqrt(np.mean(np.square(deviations))) < 1.4
@@ -141,16 +140,19 @@ def test_rests_that_differ_tell_no_bias_and_are_named(exo):
     assert np.sqrt(np.mean(np.square(deviations))) < 1.4
 
 
-@pytest.mark.slow
-def test_bands_of_the_ground_force_allow_for_a_floor_that_is_not_quite_level(exo):
-    estimate = exoid.identify(exo, logs(exo, 0.0, 1002), TERMS)
-    for degrees in (0.0, 0.6):
-        log = standing(
-            exo, "left", seconds=5.0, seed=1100, noise=0.4, encoder=1e-4, friction=friction, lean=np.deg2rad(degrees)
-        )
-        ground = exoid.ground_forces(estimate, log.recording)["left_foot"]
-        wrench = log.wrenches["left_foot"]
-        forward, up = (np.abs(ground.force - wrench.force)[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
-        pitch = np.abs(ground.moment - wrench.moment)[:, 1] <= ground.moment_half[:, 1]
-        assert min(forward.mean(), up.mean(), pitch.mean()) > 0.93
-    assert np.median(ground.force_half[:, 0]) < 0.02 * np.median(wrench.force[:, 2])  # a band of 2σ = 1°
+@pytest.fixture(scope="module")
+def of_level_ground(exo):
+    return exoid.identify(exo, logs(exo, 0.0, 1002), TERMS, check=False)
+
+
+@pytest.mark.parametrize(("degrees", "imu"), [(0.0, False), (3.0, False), (-3.0, True)])
+def test_bands_of_the_ground_force_hold_on_the_ground_of_a_log_that_is_predicted(exo, of_level_ground, degrees, imu):
+    """On ground that leans by 3° they held 67 to 70 %; the torques of the log say how its ground leans."""
+    options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "lean": np.deg2rad(degrees)}
+    log = standing(exo, "left", seconds=5.0, seed=1100, **options)
+    ground = exoid.ground_forces(of_level_ground, with_imu(log, 7) if imu else log.recording)["left_foot"]
+    wrench = log.wrenches["left_foot"]
+    forward, up = (np.abs(ground.force - wrench.force)[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
+    pitch = np.abs(ground.moment - wrench.moment)[:, 1] <= ground.moment_half[:, 1]
+    assert min(forward.mean(), up.mean(), pitch.mean()) > 0.93
+    assert np.median(ground.force_half[:, 0]) < 0.02 * np.median(wrench.force[:, 2])
