@@ -105,7 +105,7 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
         return Ground(stretches)
     else:
         directions = np.array([leg.plane.forward, leg.plane.up]) if planar else np.eye(3)
-        size = FORCE if parts.imu is None else GRAVITY * TILT
+        size = FORCE if parts.imu is None or parts.imu.rocks else GRAVITY * TILT
     count, found = len(directions), list[tuple[FloatArray, ...]]()
     level = Ground(stretches, directions, np.zeros(count), size**2 * np.eye(count))
     for stretch in stretches:

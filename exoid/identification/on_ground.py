@@ -95,17 +95,22 @@ def _leaning(fitted: Fitted, footing: Footing, lean: FloatArray) -> Fitted:
     doubt = slopes @ (footing.found.covariance + np.outer(left, left)) @ slopes.T
     if not lean.any():
         return fitted._replace(doubt=doubt)
-    angle, half = np.rad2deg(
-        [np.linalg.norm(lean), 2.0 * FORCE / GRAVITY * np.sqrt(np.trace(footing.found.covariance))]
-    )
+    half = 2.0 * FORCE / GRAVITY * float(np.sqrt(np.trace(footing.found.covariance)))
     text = (
-        f"the bias of the base's sensor follows from feet that rest. By the torques, the ground under them leans by "
-        f"{angle:.2g} ± {half:.2g}°, which was taken into account"
+        "the bias of the base's sensor follows from feet that rest. By the torques, the ground under them leans by {}"
     )
-    remedy = "level the ground, check the zeros of the angles, or calibrate the sensor"
-    severity: Severity = "warning" if angle - half > np.rad2deg(2.0 * LEVEL) else "info"
-    finding = Finding("base-from-feet", "", float(angle), "°", severity, text, remedy, (angle - half, angle + half))
+    finding = _lean_finding(float(np.linalg.norm(lean)), half, text, "calibrate the sensor")
     return fitted._replace(doubt=doubt, findings=(*fitted.findings, finding))
+
+
+def _lean_finding(angle: float, half: float, text: str, otherwise: str) -> Finding:
+    """Say by how much the ground leans [rad], ± half."""
+    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
+    leans, interval = angle - half > 2.0 * LEVEL, (np.rad2deg(angle - half), np.rad2deg(angle + half))
+    text = text.format(f"{np.rad2deg(angle):.2g} ± {np.rad2deg(half):.2g}°, which was taken into account")
+    remedy = f"level the ground, or check the zeros of the angles; {otherwise}"
+    severity: Severity = "warning" if leans else "info"
+    return Finding("base-from-feet", "", float(np.rad2deg(angle)), "°", severity, text, remedy, interval)
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -173,14 +178,15 @@ def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> lis
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
     every = [split(model.leg, one, smears, lean=lean) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
-    known = [parts.imu for parts in every if parts.imu is not None]
-    if len(known) > 1 and np.std([errors.force_bias for errors in known], axis=0).max() > ROCKS:
-        apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) / GRAVITY
-        findings.append(_rocking_finding(apart, "they tell no bias of the base's sensor"))
+    known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
+    apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
+    if apart > ROCKS:
+        findings.append(_rocking_finding(apart / GRAVITY, "they tell no bias of the base's sensor"))
         every, known = [split(model.leg, one, smears, lean=None) for one in data], []
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
-        biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
+        told = any(own.imu is errors for errors in known)
+        biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and not told
         parts = split(model.leg, one, smears, session, lean) if biased and session is not None else own
         findings += _left_out(parts, one)
         errors = session if biased else own.imu
@@ -263,8 +269,8 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
         for foot, x in parts.late.items()
     ]
-    if parts.rocks:
-        late.append(_rocking_finding(parts.rocks, "they tell no bias of the base's sensor", name))
+    if parts.imu is not None and parts.imu.rocks:
+        late.append(_rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
     return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),
@@ -353,22 +359,18 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))
     if not footing.links:
         return findings
-    lean, half = (float(np.rad2deg(np.linalg.norm(x))) for x in (footing.lean, halves[level]))
     # what one degree moves, first the parameters that it moves by most of their standard deviations
     places = fitted.problem.places[0][: len(model.names)]
     moves = np.deg2rad(1.0) * np.linalg.norm(footing.found.slopes[places, level], axis=1)
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))[places]
     most = np.argsort(-moves / np.where(std > 0.0, std, np.inf))[:3]
     moved = ", ".join(f"{model.names[k]} by {moves[k]:.2g} {model.units[k]}" for k in most)
-    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
-    leans = lean - half > np.rad2deg(2.0 * LEVEL)
     text = (
-        f"the motion of the base was not measured, and follows from feet that rest. The ground under them leans by "
-        f"{lean:.2f} ± {half:.2f}°, which was taken into account; one degree would move {moved}"
+        "the motion of the base was not measured, and follows from feet that rest. The ground under them leans by {}; "
+        f"one degree would move {moved}"
     )
-    remedy = "level the ground, or check the zeros of the angles" if leans else "record an IMU on the torso"
-    severity: Severity = "warning" if leans else "info"
-    return [*findings, Finding("base-from-feet", "", lean, "°", severity, text, remedy, (lean - half, lean + half))]
+    angle, half = (float(np.linalg.norm(x)) for x in (footing.lean, halves[level]))
+    return [*findings, _lean_finding(angle, half, text, remedy)]
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:

@@ -107,8 +107,8 @@ def _compare(
     leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_], lean: ArrayLike
 ) -> _Flat:
     """Compare readings with the motion that a foot says, where it is flat."""
-    (omega, force), rate = standing_reading(leg, recording, link, base.position, lean), recording.sample_rate
-    aside, flat = (base.angular_velocity - omega, base.specific_force - force), flags
+    still, rate = standing_reading(leg, recording, link, base.position, lean), recording.sample_rate
+    aside, flat = np.hsplit(base.columns - still.columns, 2), flags
     # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
     for difference, width in zip(aside, (TURNING, LEANING), strict=True):
         smooth = scipy.ndimage.uniform_filter1d(difference, max(1, round(ENDS * rate)), axis=0)

@@ -70,8 +70,7 @@ class Split(NamedTuple):
     Attributes:
         stretches: One for each set of links that rest by unknown wrenches.
         left: Samples that were left out.
-        imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
-        rocks: Angle by which feet rock that therefore tell none [rad, standard deviation]; zero for feet that rest.
+        imu: Errors of the inertial measurement unit that this recording tells, or how its feet rock; None without rest.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
@@ -80,7 +79,6 @@ class Split(NamedTuple):
     stretches: tuple[Stretch, ...]
     left: Left
     imu: ImuErrors | None
-    rocks: float
     visible: float
     near: float
     late: Mapping[str, float]
@@ -133,7 +131,7 @@ def split(
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    recording, imu, rocks, slip = _without_bias(leg, recording, soles, session, lean)
+    recording, imu, slip = _without_bias(leg, recording, soles, session, lean)
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
@@ -176,21 +174,19 @@ def split(
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
-    left_out = Left(*(_share(part, counted) for part in parts))
-    return Split(tuple(found), left_out, imu, rocks, slip.visible, near, late)
+    left_out = Left(*(float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted))) for part in parts))
+    return Split(tuple(found), left_out, imu, slip.visible, near, late)
 
 
 def _without_bias(
     leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, lean: ArrayLike | None
-) -> tuple[Recording, ImuErrors | None, float, Slip]:
-    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, rocking, and slips."""
-    recording, rocks, slip = raw, 0.0, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
+) -> tuple[Recording, ImuErrors | None, Slip]:
+    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
+    recording, slip = raw, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(leg, raw, rests, lean) if leg.base_rows and lean is not None else None
-        rocks = 0.0 if imu is None else imu.rocks
-        imu = None if rocks else imu
-        errors = imu or session
+        errors = session if imu is None or imu.rocks else imu
         if errors is not None and raw.base is not None and not raw.base.calibrated:
             told = bool(errors.gyro_bias.any() or errors.force_bias.any())  # of level ground: torques may say otherwise
             recording = replace(raw, base=replace(errors.corrected(raw.base), calibrated=not told))
@@ -198,12 +194,7 @@ def _without_bias(
             slip = sliding(leg, recording, recording.base, soles)
         if not slip.slides.any():
             break
-    return recording, imu, rocks, slip
-
-
-def _share(part: BoolArray, counted: BoolArray) -> float:
-    """Share of the samples that count."""
-    return float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted)))
+    return recording, imu, slip
 
 
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
