@@ -86,11 +86,10 @@ class Ground(NamedTuple):
         """Let the base of a recording move as on a ground with these values, and more in this one."""
         base = recording.base
         if isinstance(base, StandingBase):
-            lean = (self.values + more) @ self.directions
-            return replace(recording, base=standing_base(leg, recording, base.link, lean=lean))
-        if base is None or not len(self.directions):
-            return recording
-        return replace(recording, base=replace(base, specific_force=base.specific_force - more @ self.directions))
+            base = standing_base(leg, recording, base.link, lean=(self.values + more) @ self.directions)
+        elif base is not None:
+            base = replace(base, specific_force=base.specific_force - more @ self.directions)
+        return replace(recording, base=base)
 
 
 def find_ground(estimate: EstimateData, parts: Split) -> Ground:
@@ -98,13 +97,13 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
     # τ − W β = −D c + noise, D by differences, c ~ N(0, σ²), gives c and what β leaves open of it. How pieces of the
     # recording differ tells how a foot rocks, and how far the mean of c is off.
     leg, stretches, base = estimate.model.leg, parts.stretches, parts.stretches[0].recording.base
-    stands, planar = isinstance(base, StandingBase), leg.base_rows == 3
+    stands, spatial = isinstance(base, StandingBase), leg.base_rows == 6
     if stands:
-        directions, size = (leg.plane.lateral[np.newaxis] if planar else np.eye(3)[:2]), TILT
+        directions, size = (np.eye(3)[:2] if spatial else leg.plane.lateral[np.newaxis]), TILT
     elif not leg.base_rows or base is None or base.pose is not None or base.calibrated:
         return Ground(stretches)
     else:
-        directions = np.array([leg.plane.forward, leg.plane.up]) if planar else np.eye(3)
+        directions = np.eye(3) if spatial else np.array([leg.plane.forward, leg.plane.up])
         size = FORCE if parts.imu is None or parts.imu.rocks else GRAVITY * TILT
     count, found = len(directions), list[tuple[FloatArray, ...]]()
     level = Ground(stretches, directions, np.zeros(count), size**2 * np.eye(count))
@@ -115,7 +114,7 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
         support = _support(estimate, stretch)
         steps = size * np.vstack([np.zeros(count), np.eye(count)])
         rows = [make_rows(support, level.under(leg, recording, step), estimate.preparation) for step in steps]
-        weights = _noise(estimate, support.row_names) ** -0.5
+        weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # a log without noise has rows, too
         left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
         D = np.stack([left - each for each in moved], axis=-1) / size
         starts = np.flatnonzero(np.diff(np.floor(rows[0].time / PIECE), prepend=np.nan))
