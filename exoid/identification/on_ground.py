@@ -34,6 +34,7 @@ from .row_changes import FORCE, Footing, contact_offsets, find_footing, residual
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
+MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
 STEEPEST = np.deg2rad(10.0)  # a lean from which on torques are not asked once more: they, or the model, are wrong
 MEASURED = "measured"
@@ -76,7 +77,7 @@ def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fi
     """Find how feet rock that carry a base, where their lean is not the same in all blocks of time."""
     least = ROCKS / GRAVITY
     known, level = footing.rocks, (fitted, footing)
-    if known < ASKED * least:
+    if known < ASKED * least or footing.found.blocks > MOST:
         return level
     for _ in range(ROUNDS):  # masses and leans need each other
         before, footing = footing, find_footing(fitted, footing, lean=footing.given, rocking=True) or footing
@@ -354,6 +355,12 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
     if footing.knots:
         then = "how they lean at each time follows from the torques, and its error is part of all intervals"
         findings.append(_rocking_finding(footing.rocks, then, "", model.leg.parameter_names))
+    elif footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
+        then = (
+            "logs are too long to find how they lean at each time, and no interval holds it: pass some minutes of them"
+        )
+        found = _rocking_finding(footing.rocks, then, "", model.leg.parameter_names)
+        findings.append(replace(found, severity="error"))
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
         findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))

@@ -86,22 +86,34 @@ def rocking(time):
     return 0.008 * (np.sin(2.9 * time) + np.sin(1.7 * time + 1.0))
 
 
-@pytest.mark.parametrize("rocks", [False, True])
-def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, rocks):
-    """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
-    options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "sole": rocking if rocks else np.zeros_like}
+def rocking_logs(exo, sole):
+    options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "sole": sole}
     both, left, other = (
         standing(exo, feet, seconds=10.0, seed=60 + k, **options) for k, feet in enumerate(("both", "left", "left"))
     )
-    logs = [both.recording, left.recording, mirrored(other).recording]
-    estimate = exoid.identify(exo, logs, TERMS, check=False)
+    return [both.recording, left.recording, mirrored(other).recording]
+
+
+@pytest.mark.parametrize("rocks", [False, True])
+def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, rocks):
+    """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
+    estimate = exoid.identify(exo, rocking_logs(exo, rocking if rocks else np.zeros_like), TERMS, check=False)
     deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
     named = [one for one in estimate.findings if one.kind == "rocking-foot"]
     assert len(named) == rocks
     assert np.sqrt(np.mean(np.square(deviations))) < 1.4
     if rocks:
         assert named[0].value == pytest.approx(0.008, rel=0.1)
+        assert named[0].severity == "warning"
         assert "M" in named[0].parameters
+
+
+def test_feet_that_rock_for_too_long_to_be_found_are_an_error(exo, monkeypatch):
+    monkeypatch.setattr("exoid.identification.on_ground.MOST", 10)
+    estimate = exoid.identify(exo, rocking_logs(exo, rocking), TERMS, check=False)
+    (named,) = (one for one in estimate.findings if one.kind == "rocking-foot")
+    assert named.severity == "error"
+    assert named.parameters == exo.parameter_names
 
 
 def test_feet_that_rock_tell_no_bias(exo):
