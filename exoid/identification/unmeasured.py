@@ -13,7 +13,6 @@ from .estimators import Estimator
 from .estimators.by_name import name_of
 from .group_rows import Group
 from .problem import Problem
-from .recording_summary import unmeasured_joints
 
 
 def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Sequence[str]) -> tuple[Term, ...]:
@@ -38,18 +37,14 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
 
 def unmeasured_finding(group: Group) -> tuple[Finding, ...]:
     """Say which joints of a group have no torque."""
-    summaries, names = group.summaries, group.model.leg.joint_names
-    nowhere, found = unmeasured_joints(names, summaries), list(group.findings)
-    for place, joint in enumerate(names):
-        torques = [one.torques for one in summaries if one.torques is not None]
+    summaries, found = group.summaries, list(group.findings)
+    torques = [one.torques for one in summaries if one.torques is not None]
+    for place, joint in enumerate(group.model.leg.joint_names):
         without = sum(not of_one.measured[place] for of_one in torques)
         if not without:
             continue
         message = (
-            f"the torque of {joint} was not measured: it moves without rows, and its friction is not identified"
-            if joint in nowhere
-            else f"the torque of {joint} was not measured in {without} of {len(torques)} recordings, which have no "
-            "rows of it"
+            f"the torque of {joint} was not measured in {without} of {len(torques)} logs, which have no rows of it"
         )
         remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
         found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
