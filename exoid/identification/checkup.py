@@ -23,7 +23,7 @@ from .findings.checkup import Checkup, check_fit
 from .findings.sample import FittedLeg, few_of
 from .findings.score import in_half_widths
 from .findings.search import delays, find_faults
-from .friction_form import friction_form_error, friction_rows
+from .friction_form import friction_form_error
 from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import torque_delays
@@ -40,7 +40,7 @@ def check_group(
         return checkup, None
     speed = checkup.ranges.speed
     share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
-    return checkup, friction_form_error(leg, speed, residual_rms, share, friction_rows(leg, speed))
+    return checkup, friction_form_error(leg, speed, residual_rms, share, checkup.moving)
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:

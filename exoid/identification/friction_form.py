@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError
-from exoid.estimate.model_error import COUNT, KINDS, ModelError, with_alternatives
+from exoid.estimate.model_error import COUNT, KINDS, ModelError
 from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import chain, decimated, form_rows
-from exoid.signals import Recording
 
-from .findings.sample import FittedLeg, averaged, few_of, prepared_for_checks, some_samples
+from .findings.sample import FittedLeg
 
 TINY = 1e-12  # smallest norm to divide by
 
@@ -36,6 +33,7 @@ def friction_form_error(
     # Rows count by their share of independent samples. E[c cᵀ] is the mean over candidates, by their evidence.
     if not rows:
         return None
+    rows = [one._replace(W=one.W[..., np.r_[: len(fitted.values), -COUNT:0]]) for one in rows]
     joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
     G = _absorbed(joints, np.isnan(fitted.fixed))
     size = len(joints) * COUNT
@@ -84,20 +82,6 @@ def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
     G = np.zeros_like(WZ)
     G[used] = scaled_inverse(WW[np.ix_(used, used)]) @ WZ[used]
     return G
-
-
-def friction_rows(fitted: FittedLeg, speed: FloatArray) -> list[Rows]:
-    """Form decimated rows of recordings in motion, of as many samples as checks look at."""
-    model, found = with_alternatives(fitted.model, fitted.values, speed), []
-    moving = [one for one in few_of(fitted.data) if isinstance(one, Recording)]
-    for one in some_samples(fitted.model, moving):
-        try:
-            preparation = fitted.preparation
-            prepared = decimated(prepared_for_checks(model, averaged(one, preparation), preparation))
-        except ExoidError:  # too short for the filter
-            continue
-        found.append(chain([form_rows(model, prepared, stretch) for stretch in prepared.stretches()]))
-    return found
 
 
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:

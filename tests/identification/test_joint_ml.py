@@ -132,7 +132,7 @@ def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_hi
 def test_what_it_cannot_fit_is_refused(swing, spacing):
     with pytest.raises(ExoidError):
         identify(swing.leg, noisy(swing, 8), TERMS, JointML(spacing))
-    with pytest.raises(ExoidError, match="ml fits motions"):
+    with pytest.raises(ExoidError, match="ml fits motions of the leg in the air, without poses"):
         identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, "ml")
 
 

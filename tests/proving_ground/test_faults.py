@@ -145,6 +145,18 @@ def test_the_other_motion_of_a_healthy_machine_has_no_such_finding(seed, kind):
     assert "error" not in {one.severity for one in found if one.kind != "unmodelled-friction"}
 
 
+@pytest.mark.parametrize(
+    ("seed", "mistake", "joint", "kind"),
+    [
+        pytest.param(31, "sign of one torque", 3, "torque-sign", id="residuals of 6 % beside a floating base"),
+        pytest.param(32, "torque in N·mm", 1, "torque-scale", id="degrees and swapped joints fit better, too"),
+        pytest.param(36, "a spring", 1, "unmodelled-force", id="friction of other joints has another form"),
+    ],
+)
+def test_a_mistake_is_named_beside(seed, mistake, joint, kind):
+    assert (kind, f"j{joint + 1}") in {(one.kind, one.joint) for one in findings(seed, mistake, joint)}
+
+
 def test_the_same_error_is_named_where_it_is_true():
     _, leg, log, _ = ground(5)
     scaled = replace(log, tau=log.tau * [1.0, 1000.0])

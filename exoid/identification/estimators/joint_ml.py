@@ -110,28 +110,16 @@ class JointML:
 
 def _refuse_what_it_lacks(problem: Problem) -> None:
     """Refuse terms whose torque does not follow from the motion of the moment alone, and what acts beside the leg."""
-    model, remedy = problem.model, "use wls, huber or ols"
-    plain = type(model) is TorqueModel and not any(
-        term.loaded or term.internal_state is not None for term in model.terms
-    )
-    if not plain:
-        raise NotSupportedError(
-            "ml takes no friction that remembers or depends on load",
-            remedy="use wls or huber",
-        )
+    model = problem.model
+    if type(model) is not TorqueModel or any(term.loaded or term.internal_state is not None for term in model.terms):
+        raise NotSupportedError("ml takes no friction that remembers or depends on load", remedy="use wls or huber")
     for data in problem.local_data:
-        where, links = source_of(data), data.loaded_links if isinstance(data, Recording) else ()
-        if isinstance(data, Poses):
-            raise NotSupportedError("ml fits motions, and there are poses", where=where, remedy=remedy)
-        if data.payloads:
-            carried = ", ".join(map(str, data.payloads))
-            raise NotSupportedError(
-                f"ml fits the leg without payloads, and a recording has {carried}", where=where, remedy=remedy
-            )
-        if links:
-            raise NotSupportedError(
-                f"ml fits the leg in the air, and something acts on {', '.join(links)}", where=where, remedy=remedy
-            )
+        links = data.loaded_links if isinstance(data, Recording) else ()
+        lacks = "poses" if isinstance(data, Poses) else ", ".join(map(str, data.payloads))
+        lacks = lacks or (f"what acts on {', '.join(links)}" if links else "")
+        if lacks:
+            what = f"ml fits motions of the leg in the air, without {lacks}"
+            raise NotSupportedError(what, where=source_of(data), remedy="use wls, huber or ols")
 
 
 def smooth(model: TorqueModel) -> TorqueModel:

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
@@ -25,8 +24,6 @@ def out_of_plane_torque(
     """Compute the torque that rotation of the plane of a leg adds, by Pinocchio with the inertias of the URDF."""
     # Rotation about the forward and upward axes adds torques such as (Ixx − Izz) ωx ωz and my x ω̇x, whose inertias are
     # in none of X, Y and J. Acceleration sideways adds none.
-    if not leg.limbs:
-        raise NotSupportedError("the leg has no plane", where=leg.description.name, remedy="pass a planar leg")
     whole = leg.inverse_dynamics(q, v, a, base)
     return whole - leg.inverse_dynamics(q, v, a, base.within_plane(leg.plane, leg.hip)), whole
 

@@ -14,6 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.late_velocity import late_velocities
+from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
@@ -46,6 +47,7 @@ class Checkup(NamedTuple):
     ranges: MotionRanges | None = None  # ranges of the motion; None where no rows could be formed
     # standard deviation of the torque of each joint [N·m], (n,); None without rows with the preparation of the fit
     torque_spread: FloatArray | None = None
+    moving: Sequence[Rows] = ()  # rows of recordings, the last columns of which are friction of other forms
 
 
 def check_fit(fitted: FittedLeg) -> Checkup:
@@ -56,14 +58,16 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     found = list(signal_findings(fitted.model, fitted.data))
     sample = fitted.sampled()
     try:
-        evidence = gather(sample, fitted.values)
+        evidence = gather(sample, fitted.values, friction=True)
     except ExoidError:
         return Checkup(ordered(found))
     found += [*out_of_plane_base(sample), *gravity_size(sample)]
     checked = CheckedFit.of(sample, evidence)
     found += _fit_findings(checked, broken=any(one.severity == "error" for one in found))
     ranges = reduce(MotionRanges.joined, evidence.ranges)
-    return Checkup(ordered(found), ranges, checked.spread if sample.preparation is fitted.preparation else None)
+    spread = checked.spread if sample.preparation is fitted.preparation else None
+    moving = [part for part, rest in zip(evidence.parts, evidence.at_rest, strict=True) if not rest]
+    return Checkup(ordered(found), ranges, spread, moving)
 
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
@@ -101,8 +105,10 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
         angles = bool((checked.nrmse > POOR).any() or checked.below.any())  # they need all rows anew
         if not found and (angles or (checked.nrmse > 0.25 * POOR).any()):
-            found += gross_findings(checked.fitted, angles=angles)
+            found += gross_findings(checked.fitted, checked.evidence, angles=angles)
+        units = [found.pop()] if found and found[0].kind == "torque-scale" else []  # hides no other fault
         scales = [] if found else list(torque_scale(checked))
+        scales += [one for one in units if one.joint not in {other.joint for other in scales}]
         if not found:
             found, explained = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
@@ -118,10 +124,10 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
 def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]) -> tuple[list[Finding], bool]:
     """Faults that nuisance columns describe, beside scales of single torques; and whether one moves parameters far."""
     model = fitted.model
-    if scales:  # to the fit of all joints, another unit of one would look like other faults
-        factors = np.ones(len(model.joint_names))
-        for finding in (one for one in scales if one.joint and one.severity != "info"):
-            factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
+    factors = np.ones(len(model.joint_names))
+    for finding in (one for one in scales if one.joint and one.severity != "info"):
+        factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
+    if (factors != 1.0).any():  # to the fit of all joints, another unit of one would look like other faults
         data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
         fitted = fitted._replace(data=tuple(data))
         evidence = gather(fitted, State.of(gather(fitted, fitted.values), ()).values)

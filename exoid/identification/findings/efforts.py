@@ -89,7 +89,8 @@ def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
         return
     parted = [np.split(R, [rigid, count, count + rigid], axis=1) for R in every]
     full, bare = ([np.hstack([W - g * G, rest, tau]) for W, rest, G, tau in parted] for g in (0.0, 1.0))
-    if fit_torques(fitted, bare)[0] > fit_torques(fitted, full)[0] + np.log(1.2):  # gravity may point elsewhere
+    left, less = (fit_torques(fitted, torques)[0].mean() for torques in (full, bare))
+    if less > left + np.log(1.2):  # gravity may point elsewhere
         return
     message = (
         f"the torques contain {abs(gravity / inertia):.0%} of the gravity torque that goes with their inertial part: "

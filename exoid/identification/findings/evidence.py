@@ -29,14 +29,14 @@ class Evidence(NamedTuple):
     ranges: Sequence[MotionRanges] = ()  # ranges of the motion of each
 
     @classmethod
-    def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray) -> Evidence:
-        """Form the tables and R factors of rows."""
+    def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray, *, beside: int) -> Evidence:
+        """Form the tables and R factors of rows, whose last columns may stand beside them."""
         known = np.where(np.isfinite(fixed), fixed, 0.0)
         tables, factors = [], []
         for joint in range(parts[0].tau.shape[1]):
             of_joint = []
             for part in parts:
-                W = part.W[:, joint].T
+                W = part.W[:, joint, : part.W.shape[2] - beside].T
                 torque = part.tau[:, joint] - known @ W[: len(fixed)]
                 of_joint.append(np.asarray(np.vstack([W, torque]) * part.usable[:, joint]))
             rows = np.hstack(of_joint)

@@ -13,7 +13,7 @@ from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Poses, Recording
 from exoid.torques import Motion
 
-from .evidence import r_factor
+from .evidence import Evidence, r_factor
 from .physics import never_negative
 from .sample import FittedLeg
 
@@ -38,6 +38,15 @@ def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses], *, weig
     return [r_factor(np.vstack(of_joint)) for of_joint in tables]
 
 
+def factors_of(evidence: Evidence) -> list[FloatArray]:
+    """R factors of rows [W τ₁ … τₙ] that a check has formed."""
+    count = len(evidence.fixed)
+    return [
+        r_factor(np.vstack([np.hstack([one.W[:, j, :count], one.tau])[one.usable[:, j]] for one in evidence.parts]))
+        for j in range(len(evidence.factors))
+    ]
+
+
 def driven_joints(factors: Sequence[FloatArray]) -> list[bool]:
     """Joints with a torque other than zero: not those that are passive, or whose torque was not measured."""
     return [bool(R[:, R.shape[1] - len(factors) + j].any()) for j, R in enumerate(factors)]
@@ -50,8 +59,8 @@ def fit_torques(
     factors: Sequence[float] = (),
     *,
     rounds: int = 3,
-) -> tuple[float, FloatArray]:
-    """Fit torques read otherwise: mean log residual/torque, and free values."""
+) -> tuple[FloatArray, FloatArray]:
+    """Fit torques read otherwise: log residual/torque of each driven joint, and free values."""
     model, n, driven = fitted.model, len(of_joints), driven_joints(of_joints)
     order, factors = order or range(n), factors or (1.0,) * n
     count, free = len(model.names), ~np.isfinite(fitted.fixed)
@@ -77,4 +86,4 @@ def fit_torques(
         x[columns] = np.append(rest, positive) / scale
         left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])
         weights = 1.0 / np.maximum(left, 1e-6 * level)
-    return float(np.mean(np.log(np.maximum(left, 1e-6 * level) / level))), x
+    return np.log(np.maximum(left, 1e-6 * level) / level), x

@@ -11,11 +11,8 @@ from exoid.leg.closure import Closure
 from exoid.leg.leg_data import without_side
 from exoid.signals import Recording
 
-LARGEST_GAP = 1e-3
-"""Gap that is a finding [m], root mean square: encoders and play leave less, see tests/identification/findings."""
-
-SAMPLES = 500
-"""Samples of a recording that are compared, spread evenly."""
+LARGEST_GAP = 1e-3  # gap that is a finding [m], root mean square: encoders and play leave less
+SAMPLES = 500  # samples of a recording that are compared, spread evenly
 
 
 def loop_gaps(closure: Closure, recording: Recording) -> Iterator[Finding]:

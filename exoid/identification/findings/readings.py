@@ -14,14 +14,14 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.signals import Poses, Recording
 
-from .factors import driven_joints, fit_torques, torque_factors
+from .evidence import Evidence
+from .factors import driven_joints, factors_of, fit_torques, torque_factors
 from .sample import FittedLeg, some_samples
 
 POOR = 0.2  # other readings of the log are worth trying where the model leaves so large a part of a torque
 FITS_BETTER, CLEARLY = 1.6, 1.1
 """Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
 joints there are; and in one that is more far-fetched than another."""
-
 
 PASSIVE = 3.0  # of a passive joint residuals have to be so many times smaller still in another order
 
@@ -62,6 +62,9 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
             yield turned._replace(message=f"the angle of {joint} has the wrong sign, or its axis in the URDF has")
             text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
             yield turned._replace(message=text, torques=only(j, -1.0))
+        milli = plain._replace(kind="torque-scale", value=1e3, remedy="convert it to N·m (tau_<joint>=HEADER:0.001)")
+        for j, joint in enumerate(names):
+            yield milli._replace(joint=joint, message=f"the torque of {joint} is in N·mm", torques=only(j, 1e-3))
     for i, k in combinations(range(n), 2):
         swapped = tuple(k if j == i else i if j == k else j for j in range(n))
         both, remedy = f"{names[i]} and {names[k]}", "map the columns by name (columns=, --column NAME=HEADER)"
@@ -78,21 +81,20 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
         yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only(j, unit))
 
 
-def gross_findings(fitted: FittedLeg, *, angles: bool) -> tuple[Finding, ...]:
+def gross_findings(fitted: FittedLeg, evidence: Evidence, *, angles: bool) -> tuple[Finding, ...]:
     """Try other signs, orders of joints and units, also of angles; report the one that fits by far better."""
     trial = fitted._replace(data=some_samples(fitted.model, fitted.data, 12_000))  # gross faults show in few
     try:
-        as_logged = torque_factors(trial, trial.data)
-        reference, _ = fit_torques(trial, as_logged)
-        best, least = _best_reading(trial, as_logged, reference, angles=angles)
+        as_logged = torque_factors(trial, trial.data) if angles else factors_of(evidence)
+        left, _ = fit_torques(trial, as_logged)
+        best, least = _best_reading(trial, as_logged, float(left.mean()), angles=angles)
     except (ExoidError, np.linalg.LinAlgError):
         return ()
     if best is None:
         return ()
-    ratio = float(np.exp(reference - least) / CLEARLY ** _share_of_two(as_logged))
+    ratio = float(np.exp(left.mean() - least) / CLEARLY ** _share_of_two(as_logged))
     message, value = f"{best.message}: residuals are then {ratio:.3g} times smaller", best.value or ratio
-    names = fitted.model.names
-    return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=names),)
+    return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=fitted.model.names),)
 
 
 def _best_reading(
@@ -108,7 +110,7 @@ def _best_reading(
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
     logged = kinematics = plain.angles, plain.angle_order
     factors = as_logged
-    first, _ = fit_torques(fitted, as_logged, rounds=1)
+    first = fit_torques(fitted, as_logged, rounds=1)[0].mean()
     for reading in others:
         joints = set(reading.joint.split(", "))
         moved = {joint for joint, (j, k) in zip(names, enumerate(reading.torque_order), strict=True) if j != k}
@@ -119,11 +121,13 @@ def _best_reading(
         if (reading.angles, reading.angle_order) != kinematics:  # rows of the reading before may be the same
             kinematics = reading.angles, reading.angle_order
             factors = torque_factors(fitted, [_angles_of(reading, one) for one in fitted.data])
-        if fit_torques(fitted, factors, reading.torque_order, reading.torques, rounds=1)[0] > first:
+        if fit_torques(fitted, factors, reading.torque_order, reading.torques, rounds=1)[0].mean() > first:
             continue  # weights by its own residuals would not bring it so far
-        misfit, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
-        if reading.kind == "joint-order" and joints & passive:  # only the torques of others speak for it
-            misfit += share * np.log(PASSIVE)
+        left, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
+        if reading.kind == "torque-scale" and left.max() > np.log(0.5):
+            continue  # a torque that hardly weighs lets the others contradict it
+        speaks = reading.kind != "joint-order" or not joints & passive  # else only the torques of others do
+        misfit = float(left.mean()) + (0.0 if speaks else share * np.log(PASSIVE))
         if misfit < least:
             best, least = reading, misfit - share * np.log(CLEARLY)
     return best, float(least)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -11,12 +12,13 @@ import numpy as np
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
+from exoid.estimate.model_error import COUNT, AlternativeFriction
 from exoid.regression.model import RegressorModel
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.recording_data import change_samples
-from exoid.torques import TorqueModel
+from exoid.torques import Motion, TorqueModel
 from exoid.torques.payloads import payload_parameters
 from exoid.torques.with_columns import WithColumns
 
@@ -122,12 +124,12 @@ def segments(recording: Recording) -> Iterator[Recording]:
         yield recording.slice(int(start), int(start) + 10_000)
 
 
-def gather(fitted: FittedLeg, values: FloatArray) -> Evidence:
-    """Form rows of parameters and nuisance columns."""
+def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> Evidence:
+    """Form rows of parameters and nuisance columns, in the same pass also of friction of other forms if asked for."""
     ready, errors = [], []
     for one in fitted.data:
         try:
-            ready.append((one, decimated(prepared_for_checks(fitted.model, one, fitted.preparation))))
+            ready.append((one, decimated(_prepared(fitted.model, one, fitted.preparation))))
         except ExoidError as error:
             errors.append(error)
     if not ready:
@@ -136,12 +138,14 @@ def gather(fitted: FittedLeg, values: FloatArray) -> Evidence:
     for _, prepared in ready:
         motion, used = prepared.motion, prepared.inside
         ranges.append(MotionRanges.of(motion.q[used], motion.v[used], motion.a[used]))
-    rows = [_rows(fitted, one, prepared, values) for one, prepared in ready]
+    rigid = fitted.values[: len(fitted.model.leg.parameter_names)]
+    other = AlternativeFriction(rigid, reduce(MotionRanges.joined, ranges).speed) if friction else None
+    rows = [_rows(fitted, one, prepared, values, other) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
-    return Evidence.of(rows, at_rest, fitted.fixed)._replace(ranges=ranges)
+    return Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)._replace(ranges=ranges)
 
 
-def prepared_for_checks(model: RegressorModel, one: Recording | Poses, preparation: Preparation) -> Prepared:
+def _prepared(model: RegressorModel, one: Recording | Poses, preparation: Preparation) -> Prepared:
     """Prepare a recording, with all rows at reversals and none of passive joints."""
     # Other friction, and many faults, differ most where joints turn round.
     prepared = prepare(model, one, preparation)._replace(reversals=None)
@@ -150,7 +154,9 @@ def prepared_for_checks(model: RegressorModel, one: Recording | Poses, preparati
     return prepared
 
 
-def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, values: FloatArray) -> Rows:
+def _rows(
+    fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, values: FloatArray, other: AlternativeFriction | None
+) -> Rows:
     """Form the decimated rows of one recording."""
     model, moving = fitted.model, isinstance(one, Recording)
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
@@ -160,7 +166,11 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, values:
         values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
     columns = library(model, fitted.arms).columns
     drift = len(model.names) + next(k for k, column in enumerate(columns) if column.kind == "drift")
-    every = WithColumns(model, (NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms),))
+    nuisances = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
+    every = WithColumns(model, (nuisances,) if other is None else (nuisances, other))
+    if other is not None:
+        assert isinstance(prepared.motion, Motion)
+        prepared = prepared._replace(motion=other.motion(prepared.motion))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., drift] *= (rows.time - fitted.clock_start(one))[:, None]
     return rows
