@@ -20,7 +20,7 @@ from . import (
 from .control import wearer
 from .control.wearer import Interaction, interaction
 from .errors import ExoidError
-from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, joint_torques, validate
+from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, validate
 from .estimate.finding import Finding
 from .identification import check, identify
 from .lab import reproduce, study
@@ -65,7 +65,6 @@ __all__ = [
     "identification",
     "identify",
     "interaction",
-    "joint_torques",
     "lab",
     "leg",
     "lift",

@@ -6,7 +6,6 @@ from .estimate import Estimate
 from .evidence import Evidence
 from .export import Export
 from .ground_prediction import GroundForce, ground_forces
-from .ground_validation import StandingTorques, joint_torques
 from .grouped import GroupedEstimate
 from .mjcf import MjcfExport
 from .model_error import ModelError
@@ -28,12 +27,10 @@ __all__ = [
     "ModelError",
     "NonlinearParameters",
     "Parameter",
-    "StandingTorques",
     "TorqueBand",
     "TorqueFilter",
     "Validation",
     "compare",
     "ground_forces",
-    "joint_torques",
     "validate",
 ]

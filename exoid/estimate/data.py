@@ -263,7 +263,7 @@ class EstimateData(ParameterTable):
         if self.model.leg.base_rows:
             raise NotSupportedError(
                 "the rows of a floating base have no measured torque",
-                remedy="use exoid.joint_torques and exoid.ground_forces, which have bands",
+                remedy="use exoid.ground_forces and exoid.validate, which have bands",
             )
         lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
         noise, of_parameters = lost * self.residual_rms**2, parameter_variance(self.covariance, rows)

@@ -18,6 +18,7 @@ from exoid.torques.contacts.stretches import Stretch
 from .data import EstimateData
 from .finding import Finding
 from .ground_prediction import level_axes, level_wrench, stretch_forces
+from .ground_validation import Ground
 
 STEEPEST = 1.2
 """Force along the ground over force on it that no sole holds: rubber on dry concrete slips at 0.6 to 1."""
@@ -51,7 +52,7 @@ def _outside(estimate: EstimateData, stretch: Stretch) -> Iterator[tuple[str, Bo
     q, up = recording.q[rows], _vertical(recording)[rows]
     held = {*stretch.links} & {leg.description.root_link, *recording.wrenches}
     feet = [] if held or recording.tau is None or not recording.measured.all() else stretch.links
-    found = dict(zip(feet, stretch_forces(estimate, stretch, feet), strict=True)) if feet else {}
+    found = dict(zip(feet, stretch_forces(estimate, Ground([stretch]), stretch, feet), strict=True)) if feet else {}
     for foot, wrench in recording.wrenches.items():
         found[foot] = level_wrench(leg, recording.q, foot, wrench, rows)
     for foot, force in found.items():

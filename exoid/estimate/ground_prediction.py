@@ -21,11 +21,11 @@ from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
-from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
+from exoid.torques.contacts.standing_base import StandingBase
 from exoid.torques.contacts.stretches import Stretch, contact_of
 
 from .data import EstimateData
-from .ground_validation import in_time_order
+from .ground_validation import Ground, find_ground, in_time_order
 from .torque_band import parameter_variance
 
 
@@ -91,10 +91,11 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
             "the torque of a joint is missing", where=source_of(recording), remedy="record all torques"
         )
     found: dict[str, list[GroundForce]] = {}
-    for stretch in split(leg, recording, estimate.preparation).stretches:
+    ground = find_ground(estimate, split(leg, recording, estimate.preparation))
+    for stretch in ground.stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]
         if feet and leg.description.root_link not in stretch.links:
-            for link, force in zip(feet, stretch_forces(estimate, stretch, feet), strict=True):
+            for link, force in zip(feet, stretch_forces(estimate, ground, stretch, feet), strict=True):
                 found.setdefault(link, []).append(force)
     if not found:
         raise NotIdentifiableError(
@@ -136,12 +137,13 @@ class _Solution(NamedTuple):
     std: FloatArray
 
 
-def stretch_forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
+def stretch_forces(estimate: EstimateData, ground: Ground, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
     """Find the wrenches of one stretch, with the errors that the noise of angles and base adds."""
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
     found, rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
-    again = [_solution(estimate, stretch._replace(recording=each), feet) for each in _noisier(leg, stretch, feet, rng)]
+    noisier = _noisier(leg, ground, stretch.recording, rng)
+    again = [_solution(estimate, stretch._replace(recording=each), feet) for each in noisier]
     of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
     # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing)
     once = np.zeros((found.wrench.shape[1], len(recording)))
@@ -155,26 +157,22 @@ def stretch_forces(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]
     return forces
 
 
-def _noisier(leg: Leg, stretch: Stretch, feet: Sequence[str], rng: np.random.Generator) -> Iterator[Recording]:
-    """Add the noise of the angles, of wrenches, and of the base where it was measured, once more."""
-    recording = stretch.recording
+def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Generator) -> Iterator[Recording]:
+    """Add the noise of the angles, of wrenches, and of the base where it was measured, once more; lean the ground."""
     size, base = white_noise(recording.q), recording.base
-    # Noise is added to a motion three times, to see what it does to forces. The ground leans in three directions by √2
-    # of its standard deviation: the mean square of the effects is that of a lean about each axis.
-    for direction in np.deg2rad([0.0, 120.0, 240.0]):
+    # Noise is added to a motion three times, to see what it does to forces. The ground changes in each direction once,
+    # by √3 of its standard deviation: the mean square of the effects is the sum of those of each.
+    root = np.linalg.cholesky(ground.covariance)
+    for k in range(3):
         q, wrenches = recording.q + size * rng.standard_normal(recording.q.shape), {}
         for link, wrench in recording.wrenches.items():
             force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
             wrenches[link] = replace(wrench, force=force, moment=moment)
         shaken = replace(recording, q=q, wrenches=wrenches)
-        if base is None:
-            yield shaken
-        elif isinstance(base, StandingBase):
-            lean = np.sqrt(2.0) * LEVEL * np.array([np.cos(direction), np.sin(direction), 0.0])
-            yield replace(shaken, base=standing_base(leg, shaken, base.link, lean=lean))
-        else:
+        if base is not None and not isinstance(base, StandingBase):
             columns = base.columns + white_noise(base.columns) * rng.standard_normal(base.columns.shape)
-            yield replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
+            shaken = replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
+        yield ground.under(leg, shaken, np.sqrt(3.0) * root[:, k] if k < len(root) else np.zeros(len(root)))
 
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> _Solution:

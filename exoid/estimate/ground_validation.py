@@ -10,36 +10,27 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
+from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
-from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
-from exoid.torques.contacts.stretches import Stretch
+from exoid.torques.contacts.standing_base import LEVEL as TILT
+from exoid.torques.contacts.standing_base import StandingBase, standing_base
+from exoid.torques.contacts.stretches import Split, Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .data import EstimateData
 from .torque_band import parameter_variance
 
 LEVEL = 0.95  # probability that a band contains a measured torque
+FORCE = 0.2  # standard deviation of the bias of a sensor that no foot told [m/s²]
+PIECE, BLOCK = 0.25, 1.5  # times in which a foot that rocks leans alike, and beyond which noise is not correlated [s]
 T = TypeVar("T", bound=tuple[FloatArray, ...])
-
-
-class StandingTorques(NamedTuple):
-    """Torques that an estimate predicts for a leg on the ground.
-
-    Attributes:
-        time: Samples at which they follow from the motion [s], (N,).
-        torque: Torques of the joints [N·m], (N, n).
-        half: Half the width of the 95 % band of a measured torque [N·m], (N, n).
-    """
-
-    time: FloatArray
-    torque: FloatArray
-    half: FloatArray
 
 
 class Compared(NamedTuple):
@@ -70,7 +61,7 @@ def compare_on_ground(
     # several do, only the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is
     # compared.
     leg = estimate.model.leg
-    stretches = split(leg, for_leg(estimate.model, recording), preparation).stretches
+    stretches = find_ground(estimate, split(leg, for_leg(estimate.model, recording), preparation)).stretches
     if not unknown_wrenches:
         resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
         stretches = tuple(each for each in stretches if not {*each.links} & resting)
@@ -83,69 +74,95 @@ def compare_on_ground(
     return in_time_order([_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches])
 
 
+class Ground(NamedTuple):
+    """Ground under a recording: its lean, or what the sensor on the base is off by, as feet took it for level."""
+
+    stretches: Sequence[Stretch]  # those of the recording, whose base moves as it does on this ground
+    directions: FloatArray = np.zeros((0, 3))  # rotation vectors [rad], or specific forces [m/s²], (K, 3)
+    values: FloatArray = np.zeros(0)  # multiples of these, (K,)
+    covariance: FloatArray = np.zeros((0, 0))  # covariance at each time, with that of a foot that rocks, (K, K)
+
+    def under(self, leg: Leg, recording: Recording, more: FloatArray) -> Recording:
+        """Let the base of a recording move as on a ground with these values, and more in this one."""
+        base = recording.base
+        if isinstance(base, StandingBase):
+            base = standing_base(leg, recording, base.link, lean=(self.values + more) @ self.directions)
+        elif base is not None:
+            base = replace(base, specific_force=base.specific_force - more @ self.directions)
+        return replace(recording, base=base)
+
+
+def find_ground(estimate: EstimateData, parts: Split) -> Ground:
+    """Find how the ground under a recording leans, or the bias of its sensor, from its torques."""
+    # τ − W β = −D c + noise, D by differences, c ~ N(0, σ²), gives c and what β leaves open of it. How pieces of the
+    # recording differ tells how a foot rocks, and how far the mean of c is off.
+    leg, stretches, base = estimate.model.leg, parts.stretches, parts.stretches[0].recording.base
+    stands, spatial = isinstance(base, StandingBase), leg.base_rows == 6
+    if stands:
+        directions, size = (np.eye(3)[:2] if spatial else leg.plane.lateral[np.newaxis]), TILT
+    elif not leg.base_rows or base is None or base.pose is not None or base.calibrated:
+        return Ground(stretches)
+    else:
+        directions = np.eye(3) if spatial else np.array([leg.plane.forward, leg.plane.up])
+        size = FORCE if parts.imu is None or parts.imu.rocks else GRAVITY * TILT
+    count, found = len(directions), list[tuple[FloatArray, ...]]()
+    level = Ground(stretches, directions, np.zeros(count), size**2 * np.eye(count))
+    for stretch in stretches:
+        recording = stretch.recording
+        if not stretch.links or recording.tau is None or not recording.measured.all():
+            continue
+        support = _support(estimate, stretch)
+        steps = size * np.vstack([np.zeros(count), np.eye(count)])
+        rows = [make_rows(support, level.under(leg, recording, step), estimate.preparation) for step in steps]
+        weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # a log without noise has rows, too
+        left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
+        D = np.stack([left - each for each in moved], axis=-1) / size
+        starts = np.flatnonzero(np.diff(np.floor(rows[0].time / PIECE), prepend=np.nan))
+        others = D, left[..., np.newaxis], weights[:, np.newaxis] * rows[0].W
+        found.append(tuple(np.add.reduceat(np.einsum("nrk,nrp->nkp", D, other), starts) for other in others))
+    if not found:
+        return level
+    known, scores, of_values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    prior = size**-2.0 * np.eye(count)
+    inverse = np.linalg.inv(known.sum(axis=0) + prior)
+    values = (inverse @ scores.sum(axis=0))[:, 0]
+    slopes = inverse @ of_values.sum(axis=0)
+    apart = np.linalg.solve(known + prior, scores - known @ values[:, np.newaxis])[..., 0]
+    share = 1.0 if stands else min(1.0, BLOCK / (PIECE * len(apart)))
+    covariance = inverse + slopes @ estimate.covariance @ slopes.T + share * apart.T @ apart / len(apart)
+    stretches = tuple(each._replace(recording=level.under(leg, each.recording, values)) for each in stretches)
+    return Ground(stretches, directions, values, covariance)
+
+
 def in_time_order(parts: Sequence[T]) -> T:
     """Put arrays of several stretches together, in order of the time that stands first."""
     order = np.argsort(np.concatenate([part[0] for part in parts]), kind="stable")
     return type(parts[0])(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
 
 
-def joint_torques(estimate: EstimateData, recording: Recording) -> StandingTorques:
-    """Predict the joint torques of a leg on the ground from its motion, and from wrenches where they were measured.
-
-    τ = W_q β − Σ J_qᵀ w_c for measured wrenches w_c. Where one link rests by an unknown wrench, the equation of the
-    base gives it. Where several do, the torques do not follow from the motion, and the samples are left out.
-
-    Args:
-        estimate: The estimate.
-        recording: Motion with contacts or wrenches; its torques are not used.
-
-    Returns:
-        Torques, low-passed as rows of the estimate are.
-
-    Raises:
-        ExoidError: Several links rest by unknown wrenches throughout, or nothing else is left of the recording.
-    """
-    model = estimate.model
-    silent = replace(for_leg(model, recording), tau=np.zeros_like(recording.q))
-    found = []
-    for stretch in split(model.leg, silent, estimate.preparation).stretches:
-        axes = reference_axes(model.leg, stretch.links, silent.q) if stretch.links else None
-        if axes is not None:
-            continue
-        support = SupportModel.of(model.loaded_by(estimate.values), stretch.links, None)
-        rows = make_rows(support, stretch.recording, estimate.preparation)
-        joints = slice(rows.tau.shape[1] - len(model.joint_names), None)
-        torque = (rows.W @ estimate.values - rows.tau)[:, joints]
-        noise = _noise(estimate, support.row_names)[joints]
-        variance = parameter_variance(estimate.covariance, rows.W[:, joints]) + noise
-        found.append(StandingTorques(rows.time, torque, half_width(LEVEL, estimate.dof) * np.sqrt(variance)))
-    if not found:
-        raise NotSupportedError(
-            "several links rest by unknown wrenches throughout, and torques do not follow from the motion",
-            where=source_of(recording),
-            remedy="measure the wrenches, or record motions on one foot",
-        )
-    return in_time_order(found)
+def _support(estimate: EstimateData, stretch: Stretch) -> SupportModel:
+    """Torque model while the same links rest."""
+    model, links, recording = estimate.model, stretch.links, stretch.recording
+    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
+    return SupportModel.of(model.loaded_by(estimate.values), links, axes)
 
 
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
     """Predict the torques while the same links rest."""
-    model, links, recording = estimate.model, stretch.links, stretch.recording
-    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
-    support = SupportModel.of(model.loaded_by(estimate.values), links, axes)
-    rows = make_rows(support, recording, preparation)
+    links, recording, support = stretch.links, stretch.recording, _support(estimate, stretch)
+    axes, rows = support.axes, make_rows(support, recording, preparation)
     known = np.zeros_like(rows.tau) if rows.known is None else rows.known
     measured, predicted = rows.tau + known, rows.W @ estimate.values + known
     q = recording.q[np.searchsorted(recording.time, rows.time)]
     variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * _noise(estimate, support.row_names)
     variance = variance + wrench_variance(estimate, recording, preparation, q, links, axes)
     if axes is not None:
-        loop = eliminate(model.leg, links, q, axes).loop
+        loop = eliminate(estimate.model.leg, links, q, axes).loop
         assert loop is not None
         parts = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted, known))
         measured, predicted, known = parts
         variance = np.einsum("njr,nr->nj", loop**2, variance)
-    joints = slice(measured.shape[1] - len(model.joint_names), None)  # rows of the base stand before them, if any
+    joints = slice(measured.shape[1] - len(estimate.joint_names), None)  # rows of the base stand before them, if any
     return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
 
 

@@ -55,7 +55,6 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     assert actuators is not None
     constants = unknown_constants(actuators)
     names = tuple(each.name for each in constants)
-    given.refuse_empty_joints()
     start = {each.name: each.constant.start for each in constants}
     point, held, backwards = _Point(fit_by(estimator, given).solution.values, start), dict[str, str](), 0
     for _ in range(ROUNDS):

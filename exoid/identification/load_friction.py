@@ -51,7 +51,6 @@ def _start(given: Problem) -> FloatArray:
     values = given.prior_knowledge.fixed_values(given.names)
     for _ in range(STEPS):
         problem = given.changed(model=Linearised.of(given.model, values))
-        problem.refuse_empty_joints()
         torques = np.array([np.linalg.norm(t.R[:, -1]) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors])
         weights = 1.0 / np.maximum(torques, max(0.01 * torques.max(), TINY))
         values, moved = _solve(given, problem.r_factors, weights.tolist(), values)

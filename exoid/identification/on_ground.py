@@ -19,7 +19,7 @@ from exoid.signals.base_checks import flies
 from exoid.signals.cutoff import robust_std, white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
-from exoid.torques.contacts.imu import ImuErrors
+from exoid.torques.contacts.imu import ROCKS, ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
@@ -34,7 +34,8 @@ from .row_changes import FORCE, Footing, contact_offsets, find_footing, residual
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
-ROCKS = 0.05  # feet of which one session tells biases that differ by so much [m/s²] rock by 5 mrad: torques tell it
+MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
+ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
 STEEPEST = np.deg2rad(10.0)  # a lean from which on torques are not asked once more: they, or the model, are wrong
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
 
@@ -54,20 +55,38 @@ def fit_on_ground(
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit_linear(problem, estimator)
-    found = find_footing(fitted)
+    found = find_footing(fitted, lean=lean)
     if found is not None and found.leans is not None and np.linalg.norm(lean) < STEEPEST:
         return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + found.leans)
-    if found is None or found.level is not None:
+    if found is None or (not found.links and found.level is not None):
         fitted = fitted._replace(findings=tuple(contact_offsets(fitted)) if check else ())
         return _suspended(fitted if found is None else _leaning(fitted, found, lean), estimator)
     problem = without_outliers(fit_linear(tilted(problem, found), huber))
     # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-    footing = find_footing(fit_linear(problem, estimator), found) or found
+    footing = find_footing(fit_linear(problem, estimator), found, lean=lean) or found
     fitted = fit_linear(tilted(problem, footing, found), estimator)
+    fitted, footing = _rocking(fitted, footing, estimator)
     slopes = footing.found.slopes
     doubt = slopes @ footing.found.spread @ slopes.T
     findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
     return fitted._replace(findings=findings, doubt=doubt)
+
+
+def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fitted, Footing]:
+    """Find how feet rock that carry a base, where their lean is not the same in all blocks of time."""
+    least = ROCKS / GRAVITY
+    known, level = footing.rocks, (fitted, footing)
+    if known < ASKED * least or footing.found.blocks > MOST:
+        return level
+    for _ in range(ROUNDS):  # masses and leans need each other
+        before, footing = footing, find_footing(fitted, footing, lean=footing.given, rocking=True) or footing
+        fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
+        if footing.rocks < least:
+            return level
+        if abs(footing.rocks - known) < 0.02 * known:
+            break
+        known = footing.rocks
+    return fitted, footing
 
 
 def _leaning(fitted: Fitted, footing: Footing, lean: FloatArray) -> Fitted:
@@ -76,17 +95,22 @@ def _leaning(fitted: Fitted, footing: Footing, lean: FloatArray) -> Fitted:
     doubt = slopes @ (footing.found.covariance + np.outer(left, left)) @ slopes.T
     if not lean.any():
         return fitted._replace(doubt=doubt)
-    angle, half = np.rad2deg(
-        [np.linalg.norm(lean), 2.0 * FORCE / GRAVITY * np.sqrt(np.trace(footing.found.covariance))]
-    )
+    half = 2.0 * FORCE / GRAVITY * float(np.sqrt(np.trace(footing.found.covariance)))
     text = (
-        f"the bias of the base's sensor follows from feet that rest. By the torques, the ground under them leans by "
-        f"{angle:.2g} ± {half:.2g}°, which was taken into account"
+        "the bias of the base's sensor follows from feet that rest. By the torques, the ground under them leans by {}"
     )
-    remedy = "level the ground, check the zeros of the angles, or calibrate the sensor"
-    severity: Severity = "warning" if angle - half > np.rad2deg(2.0 * LEVEL) else "info"
-    finding = Finding("base-from-feet", "", float(angle), "°", severity, text, remedy, (angle - half, angle + half))
+    finding = _lean_finding(float(np.linalg.norm(lean)), half, text, "calibrate the sensor")
     return fitted._replace(doubt=doubt, findings=(*fitted.findings, finding))
+
+
+def _lean_finding(angle: float, half: float, text: str, otherwise: str) -> Finding:
+    """Say by how much the ground leans [rad], ± half."""
+    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
+    leans, interval = angle - half > 2.0 * LEVEL, (np.rad2deg(angle - half), np.rad2deg(angle + half))
+    text = text.format(f"{np.rad2deg(angle):.2g} ± {np.rad2deg(half):.2g}°, which was taken into account")
+    remedy = f"level the ground, or check the zeros of the angles; {otherwise}"
+    severity: Severity = "warning" if leans else "info"
+    return Finding("base-from-feet", "", float(np.rad2deg(angle)), "°", severity, text, remedy, interval)
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -154,12 +178,15 @@ def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> lis
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
     every = [split(model.leg, one, smears, lean=lean) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
-    known = [parts.imu for parts in every if parts.imu is not None]
-    if len(known) > 1 and np.std([errors.force_bias for errors in known], axis=0).max() > ROCKS:
+    known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
+    apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
+    if apart > ROCKS:
+        findings.append(_rocking_finding(apart / GRAVITY, "they tell no bias of the base's sensor"))
         every, known = [split(model.leg, one, smears, lean=None) for one in data], []
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
-        biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and own.imu is None
+        told = any(own.imu is errors for errors in known)
+        biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and not told
         parts = split(model.leg, one, smears, session, lean) if biased and session is not None else own
         findings += _left_out(parts, one)
         errors = session if biased else own.imu
@@ -242,6 +269,8 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
         for foot, x in parts.late.items()
     ]
+    if parts.imu is not None and parts.imu.rocks:
+        late.append(_rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
     return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),
@@ -251,6 +280,13 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         for kind, share, many, message, remedy in rows
         if share > 0.0
     ]
+
+
+def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:
+    """Say that a foot that counts as flat rocks."""
+    text = f"feet that are said to stand flat rock by {1e3 * angle:.2g} mrad (standard deviation): {then}"
+    remedy = "check soles, contacts and the play of joints; stand on flat soles, or say that feet stand on an edge"
+    return Finding("rocking-foot", "", angle, "rad", "warning", text, remedy, None, parameters, name)
 
 
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
@@ -315,27 +351,32 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         interval = (c - half, c + half)
         findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
     model, level = fitted.models[0], slice(len(footing.links), len(footing.links) + len(footing.axes))
+    if footing.knots:
+        then = "how they lean at each time follows from the torques, and its error is part of all intervals"
+        findings.append(_rocking_finding(footing.rocks, then, "", model.leg.parameter_names))
+    elif footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
+        then = (
+            "logs are too long to find how they lean at each time, and no interval holds it: pass some minutes of them"
+        )
+        found = _rocking_finding(footing.rocks, then, "", model.leg.parameter_names)
+        findings.append(replace(found, severity="error"))
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
         findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))
     if not footing.links:
         return findings
-    lean, half = (float(np.rad2deg(np.linalg.norm(x))) for x in (footing.lean, halves[level]))
     # what one degree moves, first the parameters that it moves by most of their standard deviations
     places = fitted.problem.places[0][: len(model.names)]
     moves = np.deg2rad(1.0) * np.linalg.norm(footing.found.slopes[places, level], axis=1)
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))[places]
     most = np.argsort(-moves / np.where(std > 0.0, std, np.inf))[:3]
     moved = ", ".join(f"{model.names[k]} by {moves[k]:.2g} {model.units[k]}" for k in most)
-    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
-    leans = lean - half > np.rad2deg(2.0 * LEVEL)
     text = (
-        f"the motion of the base was not measured, and follows from feet that rest. The ground under them leans by "
-        f"{lean:.2f} ± {half:.2f}°, which was taken into account; one degree would move {moved}"
+        "the motion of the base was not measured, and follows from feet that rest. The ground under them leans by {}; "
+        f"one degree would move {moved}"
     )
-    remedy = "level the ground, or check the zeros of the angles" if leans else "record an IMU on the torso"
-    severity: Severity = "warning" if leans else "info"
-    return [*findings, Finding("base-from-feet", "", lean, "°", severity, text, remedy, (lean - half, lean + half))]
+    angle, half = (float(np.linalg.norm(x)) for x in (footing.lean, halves[level]))
+    return [*findings, _lean_finding(angle, half, text, remedy)]
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:

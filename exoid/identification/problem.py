@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotIdentifiableError, NotSupportedError, within
+from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.regression.fit import Fit
@@ -146,20 +146,6 @@ class Problem:
         if np.array_equal(self.places[group], np.arange(count)):
             return r_factor
         return r_factor.among(np.append(self.places[group], count), count + 1)
-
-    def refuse_empty_joints(self) -> None:
-        """Refuse a fit in which the terms' dead bands left no sample of a joint."""
-        for group in self.groups:
-            of_joints = zip(group.model.row_names, group.by_row, strict=True)
-            empty = [name for name, found in of_joints if not any(each.rows for each in found)]
-            empty = [name for name in empty if name not in group.unmeasured]
-            if empty:
-                with within(group.name or group.links or ""):
-                    raise NotIdentifiableError(
-                        f"no sample of {', '.join(empty)} is faster than the dead band of its friction term",
-                        remedy="move faster, or choose a smaller dead_band",
-                        joints=tuple(empty),
-                    )
 
     @cached_property
     def starts(self) -> NDArray[np.intp]:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
@@ -38,6 +41,9 @@ SOFT, DELAY, BESIDE = 5e-5, 2e-3, 2e-3
 GYRO, FORCE = 0.02, 0.2  # standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]
 BLOCK = 1.5  # time beyond which the noise of rows is not correlated [s]: a stride, whose touch-downs are alike
 
+KNOT, COLOURS, TIPS = 0.25, 6, 0.01
+"""Time between knots of a lean that varies [s]; every sixth is changed at once; standard deviation of a knot [rad]."""
+
 
 class RowChanges(NamedTuple):
     """Numbers c that change rows, r(c) = r − D c, found beside the parameters."""
@@ -46,6 +52,7 @@ class RowChanges(NamedTuple):
     covariance: FloatArray  # its covariance for white noise, (K, K)
     slopes: FloatArray  # change of the parameters by c, ∂β/∂c, (P, K)
     spread: FloatArray  # covariance of c for noise that is correlated within BLOCK, at least that for white noise
+    blocks: int = 0  # number of blocks of rows
 
 
 class Footing(NamedTuple):
@@ -57,6 +64,9 @@ class Footing(NamedTuple):
     # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases
     found: RowChanges
     level: FloatArray | None = None  # level axes, where feet told the biases as if on level ground, (L, 3)
+    given: FloatArray = np.zeros(3)  # lean that was taken into account before, (3,)
+    # numbers after all these, by the angles of a recording: lean of its foot beside that of the ground [rad]
+    knots: Mapping[bytes, range] = MappingProxyType({})
 
     @property
     def compliance(self) -> dict[str, float]:
@@ -66,36 +76,56 @@ class Footing(NamedTuple):
     @property
     def lean(self) -> FloatArray:
         """Lean of the ground, a rotation vector [rad], (3,)."""
-        return self.found.values[len(self.links) :][: len(self.axes)] @ self.axes
+        return self.given + self.found.values[len(self.links) :][: len(self.axes)] @ self.axes
 
     @property
     def imu(self) -> ImuErrors:
         """Bias of the inertial measurement unit, with zeros for what the motion does not show."""
-        first = len(self.links) + len(self.axes)
-        bias, spread = self.found.values[first:] @ self.sensor, self.found.spread[first:, first:]
+        part = slice(first := len(self.links) + len(self.axes), first + len(self.sensor))
+        bias, spread = self.found.values[part] @ self.sensor, self.found.spread[part, part]
         std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
         return ImuErrors(bias[:3], bias[3:], std)
 
     @property
     def leans(self) -> FloatArray | None:
         """Lean of the ground that torques say beside the biases that feet told, a rotation vector [rad], (3,)."""
-        c, std = self.found.values, np.sqrt(np.diag(self.found.covariance))
-        return FORCE / GRAVITY * c @ self.level if self.level is not None and (np.abs(c) > 4.0 * std).any() else None
+        c, std = (x[len(self.links) :] for x in (self.found.values, np.sqrt(np.diag(self.found.covariance))))
+        if self.level is None or (np.abs(c) <= 4.0 * std).all():
+            return None
+        return c @ (self.axes if self.links else FORCE / GRAVITY * self.level)
 
-    def plus(self, index: int, step: float) -> Footing:
-        """Change one of the numbers."""
-        step_along = step * np.eye(len(self.found.values))[index]
-        return self._replace(found=self.found._replace(values=self.found.values + step_along))
+    def lean_during(self, one: Recording, lateral: FloatArray) -> FloatArray:
+        """Lean of the foot that carries the base of a recording, rotation vectors [rad], (3,) or (N, 3)."""
+        knots = self.knots.get(one.q.tobytes())
+        if knots is None:
+            return self.lean
+        spline = scipy.interpolate.BSpline(KNOT * np.arange(-3.0, len(knots) + 1.0), self.found.values[knots], 3)
+        return self.lean + np.outer(spline(one.time - one.time[0]), lateral)
+
+    @property
+    def rocks(self) -> float:
+        """Standard deviation of the lean of a foot about that of the ground [rad]."""
+        if self.knots:
+            return float(np.std(self.found.values[len(self.found.values) - sum(map(len, self.knots.values())) :]))
+        first = len(self.links)
+        variance = np.diag(self.found.spread)[first : first + len(self.axes)]
+        return float(np.sqrt(variance.max(initial=0.0) * self.found.blocks))
+
+    def plus(self, step: FloatArray) -> Footing:
+        """Change the numbers."""
+        return self._replace(found=self.found._replace(values=self.found.values + step))
 
 
-def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None:
+def find_footing(
+    fitted: Fitted, about: Footing | None = None, *, lean: FloatArray | None = None, rocking: bool = False
+) -> Footing | None:
     """Find the compliance θ = c τ of soles and the lean of the ground, or what rest did not tell of a sensor's bias."""
     problem = fitted.problem
     data = [one for group in problem.groups for one in group.data if isinstance(one, Recording)]
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
     leg = fitted.models[0].leg
     rested = any(one.kind in ("imu-bias", "imu-unchecked") for group in problem.groups for one in group.findings)
-    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data) and not (rested and links)
+    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
     if not links and not biased:
         return None
     forward, lateral, up = leg.plane
@@ -104,21 +134,40 @@ def find_footing(fitted: Fitted, about: Footing | None = None) -> Footing | None
     level = turns[:2] if rested and biased else None
     if level is not None:  # the ground that leans turns gravity
         sensor = FORCE * np.hstack([np.zeros_like(level), np.cross(level, up)])
-    counts = len(links), len(axes), len(sensor) if biased else 0
+    counts = len(links), len(axes), len(sensor) if biased and not (rested and links) else 0
     # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
     steps, prior = (np.repeat([c, LEVEL, 1.0], counts) for c in (SOFT, 1e-4))
-    none = np.zeros(len(steps))
-    nothing = RowChanges(none, np.diag(none), none, np.diag(none))
-    about = about or Footing(links, axes, sensor[: counts[2]], nothing, level)
-    start = about.found.values
-    others = [tilted(problem, about.plus(k, step), about) for k, step in enumerate(steps.tolist())]
-    found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start)
+    given = np.zeros(3) if lean is None else lean
+    start, knots = (np.zeros(len(steps)), {}) if about is None else (about.found.values, dict(about.knots))
+    for one in data if rocking else ():  # a foot that rocks leans otherwise at each time, by a cubic spline
+        if isinstance(one.base, StandingBase) and one.q.tobytes() not in knots:
+            count = int((one.time[-1] - one.time[0]) / KNOT) + 4
+            knots[one.q.tobytes()] = range(len(start), len(start) + count)
+            start = np.append(start, np.zeros(count))
+    prior = np.append(prior, np.full(len(start) - len(prior), TIPS))
+    none = np.zeros((len(start), len(start)))
+    about = Footing(links, axes, sensor[: counts[2]], RowChanges(start, none, none, none), level, given, knots)
+    # No row depends on two knots of a colour, so that one change of the problem tells what each of them does
+    first = len(steps)
+    colours = np.concatenate([np.arange(first), *(first + np.arange(len(each)) % COLOURS for each in knots.values())])
+    steps = np.append(steps, np.full(COLOURS if knots else 0, TIPS))
+    others = [tilted(problem, about.plus(step * (colours == k)), about) for k, step in enumerate(steps.tolist())]
+
+    def numbers(one: Recording, time: FloatArray) -> NDArray[np.intp]:
+        nearest, own = np.floor((time - one.time[0]) / KNOT).astype(np.intp) - 1, knots.get(one.q.tobytes(), range(0))
+        k = np.add.outer(nearest, np.zeros(len(steps) - first, dtype=np.intp))
+        k += (np.arange(len(steps) - first) - k) % COLOURS
+        k = np.where((k >= 0) & (k < len(own)), own.start + k, -1)
+        return np.hstack([np.tile(np.arange(first), (len(time), 1)), k])
+
+    found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start, numbers=numbers)
     free = start + found.values
     values = np.append(np.maximum(free[: len(links)], 0.0), free[len(links) :])
     # Part of itself by which a compliance varies: soles are stiffer under more load
-    doubt = np.append((0.2 * values[: len(links)]) ** 2, none[len(links) :]) + (free - values) ** 2
-    more = np.diag(doubt)
-    return about._replace(found=RowChanges(values, found.covariance + more, found.slopes, found.spread + more))
+    doubt = (free - values) ** 2
+    doubt[: len(links)] += (0.2 * values[: len(links)]) ** 2
+    covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
+    return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
 
 
 def _may_be_biased(base: BaseMotion | None) -> bool:
@@ -191,34 +240,50 @@ def _beside(group: Group, link: str) -> Group:
 
 
 def row_changes(
-    fitted: Fitted, others: Sequence[Problem], steps: FloatArray, *, prior_std: FloatArray, prior_mean: FloatArray
+    fitted: Fitted,
+    others: Sequence[Problem],
+    steps: FloatArray,
+    *,
+    prior_std: FloatArray,
+    prior_mean: FloatArray,
+    numbers: Callable[[Recording, FloatArray], NDArray[np.intp]] | None = None,
 ) -> RowChanges:
     """Find numbers c beside the parameters, given problems in which one of them has the size of its step."""
     # Least squares of r = W δβ + D c with c ~ N(0, σ²), D by a difference, gives c and its covariance, and
-    # ∂β/∂c = −(WᵀW)⁻¹ WᵀD.
-    problem, count, more = fitted.problem, len(fitted.problem.names), len(others)
+    # ∂β/∂c = −(WᵀW)⁻¹ WᵀD. Where one of the others changes several numbers, `numbers` says on which of them each row
+    # depends, (N, len(others)), or −1.
+    problem, count, more = fitted.problem, len(fitted.problem.names), len(prior_std)
     prior = np.append(np.zeros(count), prior_std**-2.0)
     information, right = np.diag(prior), prior * np.append(np.zeros(count), prior_mean)
     scores = defaultdict[tuple[str, int, float], FloatArray](lambda: np.zeros(count + more))
+    blocks = set[tuple[int, float]]()
     for k, group in enumerate(problem.groups):
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
-        values, where = fitted.values(k), np.append(problem.places[k], count + np.arange(more))
+        values = fitted.values(k)
         for index, one in enumerate(group.data):
             rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in others)))
             first = residual(rows, values)
             changes = [first - residual(each, values) for each in changed]
             both = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
             columns = np.concatenate(both, axis=-1) * weights[:, None]
-            weighted = columns.reshape(-1, len(where))
-            information[np.ix_(where, where)] += weighted.T @ weighted
-            score = np.einsum("nrp,nr->np", columns, first * weights)
-            right[where] += score.sum(axis=0)
+            depends = (
+                np.tile(np.arange(more), (len(first), 1))
+                if not isinstance(one, Recording) or numbers is None
+                else numbers(one, rows.time)
+            )
             # rows of all supports of a recording share its blocks of time
-            blocks = np.floor(rows.time / BLOCK)
-            starts = np.flatnonzero(np.diff(blocks, prepend=np.nan))
-            for block, total in zip(blocks[starts].tolist(), np.add.reduceat(score, starts), strict=True):
-                scores[source_of(one), len(one), block][where] += total
+            parts = np.column_stack([np.floor(rows.time / BLOCK), depends])
+            starts = np.flatnonzero((np.diff(parts, axis=0, prepend=np.nan) != 0.0).any(axis=1)).tolist()
+            for start, stop in pairwise([*starts, len(first)]):
+                where = np.append(problem.places[k], np.where(depends[start] < 0, -1, count + depends[start]))
+                part = columns[start:stop].reshape(-1, len(where))[:, where >= 0]
+                where, block = where[where >= 0], float(parts[start, 0])
+                information[np.ix_(where, where)] += part.T @ part
+                score = part.T @ (first[start:stop] * weights).ravel()
+                right[where] += score
+                scores[source_of(one), len(one), block][where] += score
+                blocks.add((id(one), block))
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False
     known = information[np.ix_(free, free)]
@@ -230,20 +295,21 @@ def row_changes(
     spread = moved.T @ moved + inverse[-more:] @ np.diag(prior[free]) @ inverse[:, -more:]
     covariance = inverse[-more:, -more:]
     larger = np.sqrt(np.maximum(1.0, np.diag(covariance) / np.diag(spread)))
-    return RowChanges((inverse @ right[free])[-more:], covariance, slopes_of, spread * np.outer(larger, larger))
+    spread = spread * np.outer(larger, larger)
+    return RowChanges((inverse @ right[free])[-more:], covariance, slopes_of, spread, len(blocks))
 
 
 def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:
     """Let the feet that carry the base tilt on their soles, and the ground lean; take the bias of the sensor out."""
     # A base that feet carry follows from the angles once more; of a bias, a part has been taken out before
-    compliance, lean, imu = footing.compliance, footing.lean, footing.imu
+    compliance, imu = footing.compliance, footing.imu
     if before is not None:
         gone = before.imu
         imu = imu._replace(gyro_bias=imu.gyro_bias - gone.gyro_bias, force_bias=imu.force_bias - gone.force_bias)
 
     def tilt(model: TorqueModel, one: Recording) -> Recording:
         if isinstance(one.base, StandingBase):
-            link = one.base.link
+            link, lean = one.base.link, footing.lean_during(one, model.leg.plane.lateral)
             return replace(one, base=standing_base(model.leg, one, link, compliance.get(link, 0.0), lean))
         if one.base is None or not _may_be_biased(one.base):
             return one

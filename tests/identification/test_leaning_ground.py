@@ -68,6 +68,54 @@ def test_feet_on_ground_that_leans_are_no_bias_of_an_imu(exo, degrees):
     assert [(one.severity, round(one.value, 1)) for one in leans] == ([("warning", 3.0)] if degrees else [])
 
 
+def test_a_lean_counts_for_logs_with_and_without_an_imu(exo):
+    """Feet told the bias of the sensor as if on level ground, 0.5 m/s² too much; the other logs say that it leans."""
+    every = runs(exo, np.deg2rad(-3.0), 1000)
+    mixed = [with_imu(every[0], 0), *(log.recording for log in every[1:])]
+    estimate = exoid.identify(exo, mixed, TERMS, check=False)
+    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
+    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    (bias,) = (one for one in estimate.findings if one.kind == "imu-bias")
+    assert bias.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.03)  # not 0.6, as of level ground
+    (leans,) = (one for one in estimate.findings if one.kind == "base-from-feet")
+    assert (leans.severity, round(leans.value, 1)) == ("warning", 3.0)
+
+
+def rocking(time):
+    """Angle of a foot that rocks by 8 mrad [rad]."""
+    return 0.008 * (np.sin(2.9 * time) + np.sin(1.7 * time + 1.0))
+
+
+def rocking_logs(exo, sole):
+    options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "sole": sole}
+    both, left, other = (
+        standing(exo, feet, seconds=10.0, seed=60 + k, **options) for k, feet in enumerate(("both", "left", "left"))
+    )
+    return [both.recording, left.recording, mirrored(other).recording]
+
+
+@pytest.mark.parametrize("rocks", [False, True])
+def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, rocks):
+    """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
+    estimate = exoid.identify(exo, rocking_logs(exo, rocking if rocks else np.zeros_like), TERMS, check=False)
+    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
+    named = [one for one in estimate.findings if one.kind == "rocking-foot"]
+    assert len(named) == rocks
+    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    if rocks:
+        assert named[0].value == pytest.approx(0.008, rel=0.1)
+        assert named[0].severity == "warning"
+        assert "M" in named[0].parameters
+
+
+def test_feet_that_rock_for_too_long_to_be_found_are_an_error(exo, monkeypatch):
+    monkeypatch.setattr("exoid.identification.on_ground.MOST", 10)
+    estimate = exoid.identify(exo, rocking_logs(exo, rocking), TERMS, check=False)
+    (named,) = (one for one in estimate.findings if one.kind == "rocking-foot")
+    assert named.severity == "error"
+    assert named.parameters == exo.parameter_names
+
+
 def test_feet_that_rock_tell_no_bias(exo):
     """The foot leans by 10 mrad in each log, now forward and now back: torques tell the bias, which is one of all."""
     measured = []
@@ -89,31 +137,34 @@ def thrice(time):
     return 0.0052 * (np.tanh((time - 4.0) / 0.05) - 2.0 * np.tanh((time - 8.0) / 0.05) - 1.0)
 
 
-def test_rests_that_differ_leave_a_bias_unchecked(exo):
-    """The foot stands thrice, each time otherwise by 10 mrad: the bias is known to 0.06 m/s² and no better."""
+def test_rests_that_differ_tell_no_bias_and_are_named(exo):
+    """The foot stands thrice, each time otherwise by 10 mrad: the other logs of the session tell the bias."""
     whole, left, right = runs(exo, 0.0, 1001)
     options = {"noise": 0.4, "encoder": 1e-5, "friction": friction}
     turns = standing(exo, "left", seconds=12.0, seed=5, sole=thrice, **options)
     moves = (np.abs(turns.recording.time[:, None] - (4.0, 8.0)) < 0.4).any(axis=1)
     unrested = replace(with_imu(turns, 1, noise=0.1), mask=~moves, contacts={"left_foot": ~moves})
     estimate = exoid.identify(exo, [unrested, *(with_imu(log, 2) for log in (whole, left, right))], TERMS, check=False)
-    (finding, *others) = (one for one in estimate.findings if one.kind == "imu-unchecked")
-    assert not others
-    assert finding.severity == "warning"
-    assert 0.1 < finding.value < 0.3
-    assert {"M", "X1_left"} <= set(finding.parameters)
+    (rocking,) = (one for one in estimate.findings if one.kind == "rocking-foot")
+    assert rocking.severity == "warning"
+    assert rocking.value == pytest.approx(0.0086, rel=0.1)  # of -10, 0 and 10 mrad, a third of the time each
+    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
+    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
 
 
-@pytest.mark.slow
-def test_bands_of_the_ground_force_allow_for_a_floor_that_is_not_quite_level(exo):
-    estimate = exoid.identify(exo, logs(exo, 0.0, 1002), TERMS)
-    for degrees in (0.0, 0.6):
-        log = standing(
-            exo, "left", seconds=5.0, seed=1100, noise=0.4, encoder=1e-4, friction=friction, lean=np.deg2rad(degrees)
-        )
-        ground = exoid.ground_forces(estimate, log.recording)["left_foot"]
-        wrench = log.wrenches["left_foot"]
-        forward, up = (np.abs(ground.force - wrench.force)[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
-        pitch = np.abs(ground.moment - wrench.moment)[:, 1] <= ground.moment_half[:, 1]
-        assert min(forward.mean(), up.mean(), pitch.mean()) > 0.93
-    assert np.median(ground.force_half[:, 0]) < 0.02 * np.median(wrench.force[:, 2])  # a band of 2σ = 1°
+@pytest.fixture(scope="module")
+def of_level_ground(exo):
+    return exoid.identify(exo, logs(exo, 0.0, 1002), TERMS, check=False)
+
+
+@pytest.mark.parametrize(("degrees", "imu"), [(0.0, False), (3.0, False), (-3.0, True)])
+def test_bands_of_the_ground_force_hold_on_the_ground_of_a_log_that_is_predicted(exo, of_level_ground, degrees, imu):
+    """On ground that leans by 3° they held 67 to 70 %; the torques of the log say how its ground leans."""
+    options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "lean": np.deg2rad(degrees)}
+    log = standing(exo, "left", seconds=5.0, seed=1100, **options)
+    ground = exoid.ground_forces(of_level_ground, with_imu(log, 7) if imu else log.recording)["left_foot"]
+    wrench = log.wrenches["left_foot"]
+    forward, up = (np.abs(ground.force - wrench.force)[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
+    pitch = np.abs(ground.moment - wrench.moment)[:, 1] <= ground.moment_half[:, 1]
+    assert min(forward.mean(), up.mean(), pitch.mean()) > 0.93
+    assert np.median(ground.force_half[:, 0]) < 0.02 * np.median(wrench.force[:, 2])

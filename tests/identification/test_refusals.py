@@ -82,8 +82,12 @@ REFUSALS = {
         (),
     ),
     "one joint moves": (of(lambda s: moved(s, np.diag([0.0, 1.0, 0.0]))), NI, (HIP,)),
-    "a dead band": (of(whole, (Coulomb(dead_band=50.0), Viscous())), NI, (HIP, KNEE, ANKLE)),
-    "a dead band of one joint": (of(whole, (Coulomb(dead_band=50.0, joints=("ankle",)), Viscous())), NI, (ANKLE,)),
+    "a dead band": (of(whole, (Coulomb(dead_band=50.0), Viscous())), NI, ()),
+    "a dead band of one joint": (
+        of(whole, (Coulomb(dead_band=50.0, joints=("ankle",)), Viscous())),
+        NI,
+        ("c0_ankle", "d_ankle"),
+    ),
     "no torque": (of(lambda s: s.recording(tau=None)), IN, ()),
     "a missing joint": (of(lambda s: s.recording().select((HIP, KNEE))), IN, (ANKLE,)),
     "joints of the other side": (

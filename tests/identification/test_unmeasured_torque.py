@@ -81,7 +81,7 @@ def test_parameters_that_leave_no_trace_elsewhere_are_named():
     swing_, log = swing()
     with pytest.raises(ExoidError, match="X1, Y1, J1 left no trace"):
         identify(swing_.leg, without(log, "left_hip"), TERMS)
-    with pytest.raises(ExoidError, match="c0_ankle left no trace: the torque of ankle was not measured"):
+    with pytest.raises(ExoidError, match="c0_ankle left no trace"):
         identify(swing_.leg, without(log, "left_ankle"), (Coulomb(joints=("ankle",)),))
     found = identify(swing_.leg, without(log, "left_ankle"), TERMS, known={"c0_ankle": 0.4})
     assert found.value("c0_ankle") == 0.4

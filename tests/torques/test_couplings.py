@@ -135,7 +135,7 @@ def test_one_joint_with_torque_is_enough_and_none_is_refused():
     found = identify(LEG, exoid.Recording(log.time, log.q, tau=one, joint_names=LEG.joint_names), (SPRING, *TERMS[:2]))
     assert {"k_hip_knee", "preload_hip_knee"} <= set(found.names)
     none = np.where([False, False, True], log.tau, np.nan)
-    with pytest.raises(ExoidError, match=r"k_hip_knee, preload_hip_knee left no trace: the torque of hip, knee"):
+    with pytest.raises(ExoidError, match="k_hip_knee, preload_hip_knee left no trace"):
         identify(LEG, exoid.Recording(log.time, log.q, tau=none, joint_names=LEG.joint_names), (SPRING,))
 
 

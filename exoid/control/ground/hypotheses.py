@@ -378,9 +378,7 @@ class ContactFilter:
                 wrenches[:, h, own] = each * self._prior
                 for k, link in enumerate(link for link in self.soles if link in links):
                     likelihood[:, h] -= self._impossible(np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k]), up)
-        wide = np.einsum(
-            "kij,j->kij", np.linalg.inv(L), np.array([self._weight] * 2 + [0.3 * self._weight] * (b + n - 2))
-        )
+        wide = np.linalg.inv(L) * (self._weight * np.repeat([1.0, 0.3], [2, b + n - 2]))
         inner = np.eye(b + n) + wide @ np.swapaxes(wide, 1, 2)
         distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
         likelihood[:, -1] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
@@ -404,8 +402,9 @@ class ContactFilter:
 
     @cached_property
     def _weight(self) -> float:
-        """Weight of the machine [N]."""
-        return GRAVITY * float(sum(body.mass for body in self.model.leg.model.inertias))
+        """Weight of the machine [N], by the estimate where M is a parameter: links may weigh other than in the URDF."""
+        known = dict(zip(self.model.names, self.values.tolist(), strict=True))
+        return GRAVITY * float(known.get("M", sum(body.mass for body in self.model.leg.model.inertias)))
 
     @cached_property
     def _prior(self) -> FloatArray:

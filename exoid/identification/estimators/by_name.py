@@ -40,7 +40,6 @@ def name_of(estimator: Estimator) -> str:
 
 def fit_linear(problem: Problem, estimator: Estimator) -> Fitted:
     """Fit models that are linear in all parameters, by one call of the estimator."""
-    problem.refuse_empty_joints()
     fit = fit_by(estimator, problem)
     return Fitted(problem, fit, tuple(group.model for group in problem.groups), NO_NONLINEAR_PARAMETERS, fit.warnings)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -67,19 +66,12 @@ def _tilts(leg: Leg, recording: Recording, link: str, compliance: float) -> Floa
     return np.asarray(scipy.spatial.transform.Rotation.from_rotvec(angle[:, np.newaxis] * axis).as_matrix())
 
 
-class StandingReading(NamedTuple):
-    """What a unit on the base would measure without errors while a link rests flat on the ground."""
-
-    angular_velocity: FloatArray  # ω [rad/s], (N, 3)
-    specific_force: FloatArray  # f at the place of the unit [m/s²], (N, 3)
-
-
 def standing_reading(
     leg: Leg, recording: Recording, link: str, position: FloatArray, lean: ArrayLike = (0.0, 0.0, 0.0)
-) -> StandingReading:
+) -> BaseMotion:
     """Derive what an inertial measurement unit measures while a link rests flat on ground that leans little."""
     true = standing_base(leg, recording, link, lean=lean)
     omega = true.angular_velocity
     alpha = np.gradient(omega, recording.time, axis=0)
     force = true.specific_force + np.cross(alpha, position) + np.cross(omega, np.cross(omega, position))
-    return StandingReading(omega, force)
+    return BaseMotion(omega, force, position)

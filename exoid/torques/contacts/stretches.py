@@ -70,7 +70,7 @@ class Split(NamedTuple):
     Attributes:
         stretches: One for each set of links that rest by unknown wrenches.
         left: Samples that were left out.
-        imu: Errors of the inertial measurement unit that this recording tells; None if it tells none.
+        imu: Errors of the inertial measurement unit that this recording tells, or how its feet rock; None without rest.
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
@@ -152,7 +152,7 @@ def split(
                 if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
             }
             loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
-            base = _base(leg, recording, resting)
+            base = _base(leg, recording, resting, lean)
             if base is None and leg.base_rows and leg.description.root_link not in links:
                 floating |= usable
                 continue
@@ -174,7 +174,7 @@ def split(
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
-    left_out = Left(*(_share(part, counted) for part in parts))
+    left_out = Left(*(float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted))) for part in parts))
     return Split(tuple(found), left_out, imu, slip.visible, near, late)
 
 
@@ -186,7 +186,7 @@ def _without_bias(
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(leg, raw, rests, lean) if leg.base_rows and lean is not None else None
-        errors = imu or session
+        errors = session if imu is None or imu.rocks else imu
         if errors is not None and raw.base is not None and not raw.base.calibrated:
             told = bool(errors.gyro_bias.any() or errors.force_bias.any())  # of level ground: torques may say otherwise
             recording = replace(raw, base=replace(errors.corrected(raw.base), calibrated=not told))
@@ -195,11 +195,6 @@ def _without_bias(
         if not slip.slides.any():
             break
     return recording, imu, slip
-
-
-def _share(part: BoolArray, counted: BoolArray) -> float:
-    """Share of the samples that count."""
-    return float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted)))
 
 
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
@@ -276,9 +271,9 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
 
 
-def _base(leg: Leg, recording: Recording, resting: Sequence[str]) -> BaseMotion | None:
-    """Motion of the base: as it was measured, or as a foot that rests flat on level ground says; None without both."""
+def _base(leg: Leg, recording: Recording, resting: Sequence[str], lean: ArrayLike | None) -> BaseMotion | None:
+    """Motion of the base: as it was measured, or as a foot that rests flat on the ground says; None without both."""
     if not leg.base_rows or recording.base is not None:
         return recording.base
     feet = [link for link in resting if link != leg.description.root_link and leg.contact_kind(link) == "flat"]
-    return standing_base(leg, recording, feet[0]) if feet else None
+    return standing_base(leg, recording, feet[0], lean=(0.0, 0.0, 0.0) if lean is None else lean) if feet else None

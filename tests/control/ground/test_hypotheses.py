@@ -47,6 +47,14 @@ def test_a_wrong_switch_does_not_fool_it(told, fault):
     assert right[far].mean() > 0.99
 
 
+def test_forces_are_judged_by_the_identified_weight_not_by_that_of_the_urdf(told):
+    contacts, *_ = told["walk"]
+    heavier = contacts.values * np.where(np.array(contacts.model.names) == "M", 1.3, 1.0)
+    model, values = contacts.model, (contacts.values, heavier)
+    light, heavy = (ContactFilter(model, x, contacts.covariance, contacts.soles, contacts.imu_position) for x in values)
+    np.testing.assert_allclose(heavy._prior, 1.3 * light._prior)
+
+
 def test_the_seat_is_told_to_be_left_within_60_ms(told):
     contacts, episode, log = told["rise"]
     (delay,) = study._seat_off([contacts], [episode], [study.over(contacts, log)])

@@ -288,24 +288,6 @@ def test_what_does_not_go_with_contacts_is_refused(exo, stance, arguments):
         exoid.identify(exo, [log.recording for log in stance], terms=TERMS, **arguments)
 
 
-@pytest.mark.parametrize("measured", [True, False])
-def test_torques_of_the_joints_follow_from_motion_and_wrenches(exo, estimate, measured):
-    log = standing(exo, "left", seconds=12.0, seed=98, noise=NOISE, encoder=ENCODER, friction=friction)
-    wrenches = log.wrenches if measured else {}
-    found = exoid.joint_torques(estimate, replace(log.recording, tau=None, wrenches=wrenches))
-    true = standing(exo, "left", seconds=12.0, seed=98, friction=friction).recording
-    smooth = estimate.preparation.filter(true.tau, true.sample_rate)[np.searchsorted(true.time, found.time)][100:-100]
-    error = found.torque[100:-100] - smooth
-    assert (np.sqrt(np.mean(error**2, axis=0)) < 0.03 * smooth.std(axis=0) + 0.15).all()
-    assert (np.abs(error) <= found.half[100:-100]).mean() > 0.8
-
-
-def test_torques_do_not_follow_where_two_feet_share_the_load(exo, estimate):
-    log = standing(exo, "both", seconds=12.0)
-    with pytest.raises(ExoidError, match="several links"):
-        exoid.joint_torques(estimate, log.recording)
-
-
 @pytest.mark.parametrize("feet", ["both", "left"])
 def test_validation_of_another_motion(exo, estimate, feet):
     log = standing(exo, feet, seconds=12.0, seed=97, noise=NOISE, encoder=ENCODER, friction=friction)
@@ -323,8 +305,6 @@ def test_force_plates_belong_to_the_prediction_and_their_noise_to_the_band(exo, 
     assert (
         np.sqrt(np.mean((found.measured - logged) ** 2, axis=0)) < 1.5 * NOISE
     ).all()  # noise, and jumps of friction
-    predicted = exoid.joint_torques(estimate, recording)
-    np.testing.assert_allclose(found.predicted, predicted.torque[np.isin(predicted.time, found.time)], atol=1e-9)
     assert (found.coverage > 0.88).all()
     assert found.coverage.mean() == pytest.approx(0.95, abs=0.04)
     assert found.verdict == "predicts"
