@@ -515,7 +515,7 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        *cells, knees, _ = np.nanmax(rows[:, 1:], axis=0)
+        *cells, knees, _ = np.fmax.reduce(rows[:, 1:], axis=0)
         print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}" + "".join(f"{x:13.3g}" for x in cells))
         if np.isfinite(knees):
             print(f"{'':20s}torque of the knees beside the plan, RMS: {knees:.1f} %", flush=True)
