@@ -49,12 +49,7 @@ def stance_in_c(
             InputInC("contact", f"0 in the air, 1 flat, 2 heel, 3 toe; {order}", "reading", len(soles)),
             InputInC("share", "relative shares of the load", "reading", len(soles)),
             InputInC("interaction", "torque of the wearer [N m]", "reading"),
-            InputInC(
-                "push",
-                "known force on the torso forward and up in its axes, moment as the pitch [N, N, N m]",
-                "reading",
-                3,
-            ),
+            InputInC("push", "known force on the torso forward, up, and moment as the pitch [N, N, N m]", "reading", 3),
             InputInC("lean", "angle by which the ground rises forward [rad]", "reading", 1),
             *MOTION,
             InputInC("pitch_d", "desired pitch and its derivatives [rad, rad/s, rad/s^2]", "target", 3),
