@@ -122,10 +122,10 @@ def strap_on(seed: int, stride: float, machine: str, *, learning: bool = False) 
     update(online, walker.walk(begin))
     try:
         known = online.estimate
+        update(online, walker.walk(max(5.0, stride), mass, begin))
+        found = load_change(known, online.estimate, "knee", PLACE)
     except NotIdentifiableError:  # such as friction of a joint that moved one way only
         return Found(np.nan, np.nan, named(online), np.nan, warned=True)
-    update(online, walker.walk(max(5.0, stride), mass, begin))
-    found = load_change(known, online.estimate, "knee", PLACE)
     warned = any(one.kind in ("change-ambiguous", "residuals-grew") for one in online.findings)
     delay = online.changes[0].time - begin if online.changes else np.nan
     return Found(found.mass - mass, found.std, named(online), delay, warned)
