@@ -30,6 +30,7 @@ def measured(logs: Path) -> dict[str, float]:
     return figures
 
 
+@pytest.mark.slow  # of memory, not of time: it need not run alone
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the peak is counted in kilobytes on Linux")
 def test_memory_does_not_grow_with_the_number_of_files_and_the_estimate_is_right(tmp_path):
     leg, half, whole = exoid.load_leg("bleex"), tmp_path / "half", tmp_path / "whole"

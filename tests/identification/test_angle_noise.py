@@ -1,7 +1,7 @@
 """Noise in the angles: how far from the truth the estimators are when only angles and torques are logged.
 
-CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m '' tests/identification/test_angle_noise.py`` runs twenty
-and prints the figures. The experiment is that of scripts/study_estimators.py.
+The nightly run has few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m '' tests/identification/test_angle_noise.py``
+runs twenty and prints the figures. The experiment is that of scripts/study_estimators.py.
 """
 
 import os
@@ -27,12 +27,7 @@ LIMITS = {
 }
 """Mean relative error of the worst parameter in percent, for each of the settings."""
 
-pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module", autouse=True)
-def same_motion():
-    study.motion()
+pytestmark = pytest.mark.nightly
 
 
 @cache
@@ -42,7 +37,6 @@ def outcomes(name, setting, replicates, quantised=False):
     return np.array([run.errors for run in runs]), np.array([run.inside for run in runs])
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("index", range(4), ids=list(study.SETTINGS))
 @pytest.mark.parametrize("name", ["wls", "ml"])
 def test_the_worst_parameter_is_within_its_figure(name, index):
@@ -53,7 +47,7 @@ def test_the_worst_parameter_is_within_its_figure(name, index):
     assert worst <= SLACK * LIMITS[name][index]
 
 
-@pytest.mark.parametrize("index", [*(pytest.param(k, marks=pytest.mark.nightly) for k in range(3)), 3])
+@pytest.mark.parametrize("index", range(4), ids=list(study.SETTINGS))
 def test_rounded_angles_cost_no_more_than_twice_the_figures(index):
     """Rounding of a slow motion is not white noise, and worse for least squares than noise of the same size."""
     setting = list(study.SETTINGS)[index]
@@ -63,7 +57,6 @@ def test_rounded_angles_cost_no_more_than_twice_the_figures(index):
     assert worst <= 2.0 * SLACK * LIMITS["wls"][index]
 
 
-@pytest.mark.nightly
 def test_intervals_of_joint_maximum_likelihood_hold():
     """All settings together; nominal 95 %."""
     inside = np.concatenate([outcomes("ml", setting, REPLICATES)[1] for setting in study.SETTINGS])

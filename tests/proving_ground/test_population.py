@@ -30,7 +30,7 @@ def test_the_same_seed_gives_the_same_figures():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [6, 9, 25])
+@pytest.mark.parametrize("seed", [*(pytest.param(k, marks=pytest.mark.nightly) for k in (6, 9)), 25])
 def test_faults_of_torques_are_named_on_a_floating_base(seed):
     """Rows of the base are beside those of the joints: the doctor looks at both."""
     (outcome,) = population((seed,), features=("doctor",), mistakes=OF_TORQUES)

@@ -36,7 +36,7 @@ def test_a_filter_that_takes_the_noise_out_has_none(noise, cutoff):
     assert not found(noise, cutoff=cutoff)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_walk_behind_40_hz_has_it_and_behind_the_chosen_cutoff_not():
     """X was 3.5 % too small, half of the intervals failed, and nothing said so."""
     leg, log = (
