@@ -43,12 +43,12 @@ def test_a_closed_leg_swings_as_in_mujoco_and_keeps_its_energy(make, tmp_path):
 @pytest.mark.slow
 def test_the_log_of_a_closed_rig_identifies_it(tmp_path):
     leg = four_bar_knee(0).leg(tmp_path)
-    t = np.arange(0.0, 4.0, 0.01)[:, None]
+    t = np.arange(0.0, 3.0, 0.01)[:, None]
     q = 0.25 * np.sin(2.0 * np.pi * np.array([0.7, 0.9]) * t) + 0.1 * np.sin(2.0 * np.pi * np.array([1.7, 1.3]) * t)
     motion = follow_log(exoid.Recording(time=t[:, 0], q=q, joint_names=leg.joint_names))
     plant = Plant.build(leg, {"d_hip": 0.5, "d_knee": 0.2})
     servo, rates = ProportionalDerivative(400.0, 20.0), Rates(control=500.0, log=100.0, step=2e-3)
-    run = simulate(plant, motion, servo, IdealTorque(), 4.0, rates=rates, sensors=Sensors(encoder_counts=2**17))
+    run = simulate(plant, motion, servo, IdealTorque(), 3.0, rates=rates, sensors=Sensors(encoder_counts=2**17))
     estimate = exoid.identify(leg, run.recording(), [Viscous()])
     test = leg.inverse_dynamics(q, 2.0 * q, 3.0 * q) + 2.0 * q * [0.5, 0.2]
     predicted = estimate.torque(q, 2.0 * q, 3.0 * q)

@@ -48,8 +48,8 @@ def soft_logs(exo, soft, seed):
     """Logs whose feet are level for the encoders: the torque is that of a base which tilts more by c τ."""
     found = []
     for k, feet in enumerate(("both", "left", "left")):
-        log = standing(exo, feet, seconds=20.0, seed=20 * seed + k, noise=NOISE, encoder=ENCODER, friction=friction)
-        ideal = standing(exo, feet, seconds=20.0, seed=20 * seed + k, friction=friction)
+        log = standing(exo, feet, seconds=12.0, seed=20 * seed + k, noise=NOISE, encoder=ENCODER, friction=friction)
+        ideal = standing(exo, feet, seconds=12.0, seed=20 * seed + k, friction=friction)
         if soft:
             # the same angles on a base that tilts: the rows of the leg differ by those of the two motions of the base
             bases = [standing_base(exo, ideal.recording, "left_foot", c) for c in (0.0, soft)]
