@@ -166,7 +166,6 @@ for name in ("wls", "ols", "huber", "ml"):
     JOURNEYS[f"estimator {name}"] = lambda name=name: of(exoid.identify(*logged("cuhk"), estimator=name, check=False))
 
 TERMS: Mapping[str, tuple[Any, ...]] = {
-    "coulomb asymmetric": (exoid.Coulomb(asymmetric=True), exoid.Viscous(asymmetric=True)),
     "presliding": (exoid.Coulomb(presliding=1e-3), exoid.Viscous()),
     "stribeck": (exoid.Coulomb(), torques.Stribeck(), exoid.Viscous()),
     "load": (exoid.Coulomb(), torques.LoadFriction(), exoid.Viscous()),

@@ -90,7 +90,7 @@ def _armature(term: Armature, joint: JointInC) -> str:
 
 @register_c_form(Coulomb, "friction")
 def _coulomb(term: Coulomb, joint: JointInC) -> str:
-    return _dry(term, _by_direction("c0", joint) if term.asymmetric else joint.parameters["c0"], joint)
+    return _dry(term, joint.parameters["c0"], joint)
 
 
 @register_c_form(Offset, "stiffness")
@@ -116,7 +116,7 @@ def _stribeck(term: Stribeck, joint: JointInC) -> str:
 
 @register_c_form(Viscous, "friction")
 def _viscous(term: Viscous, joint: JointInC) -> str:
-    return f"{_by_direction('d', joint) if term.asymmetric else joint.parameters['d']} * {joint.variable}"
+    return f"{joint.parameters['d']} * {joint.variable}"
 
 
 @register_c_form(CouplingFriction, "friction")
@@ -145,9 +145,3 @@ def _direction(smoothing: float, joint: JointInC) -> str:
     if smoothing > 0.0:
         return f"{joint.function('tanh')}({v} / {joint.number(smoothing)})"
     return f"({v} > {zero} ? {joint.number(1.0)} : {v} < {zero} ? {joint.number(-1.0)} : {v})"
-
-
-def _by_direction(symbol: str, joint: JointInC) -> str:
-    """Choose between the parameter forwards and the one backwards."""
-    forwards, backwards = joint.parameter(f"{symbol}p"), joint.parameter(f"{symbol}n")
-    return f"({joint.variable} > {joint.number(0.0)} ? {forwards} : {backwards})"

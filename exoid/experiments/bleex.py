@@ -35,11 +35,6 @@ class StaticSets:
     pairs: FloatArray
     random: FloatArray  # random poses for the mass moments (doc. 1, sec. III-E)
 
-    def __repr__(self) -> str:
-        """Count the poses of each kind."""
-        names = ("ankle", "knee", "pairs", "random")
-        return f"StaticSets({', '.join(f'{name}: {len(getattr(self, name))} poses' for name in names)})"
-
     @property
     def all(self) -> FloatArray:
         """All poses in the order of the attributes, (K, n) [rad]."""

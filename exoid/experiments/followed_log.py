@@ -28,10 +28,6 @@ class FollowedLog(Reference):
     curve: scipy.interpolate.BSpline
     duration: float
 
-    def __repr__(self) -> str:
-        """Count joints; name the duration."""
-        return f"FollowedLog({self.curve.c.shape[1]} joints, {self.duration:g} s)"
-
     @property
     def edge(self) -> float:
         """Time at each end in which velocities and accelerations are inaccurate, as the log is one-sided there [s]."""

@@ -52,14 +52,6 @@ class MotionLimits:
         for name in ("velocity", "acceleration", "torque"):
             checked(getattr(self, name), f"a {name} limit", above=0.0, infinite=True)
 
-    def __repr__(self) -> str:
-        """Write the limits of all joints."""
-        lower, upper = np.rad2deg([self.lower, self.upper])
-        angles = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in zip(lower, upper, strict=True))
-        others = (("velocity", "rad/s"), ("acceleration", "rad/s²"), ("torque", "N·m"))
-        texts = [f"{name} {', '.join(f'{x:.3g}' for x in getattr(self, name))} {unit}" for name, unit in others]
-        return f"MotionLimits(angle {angles} deg; {'; '.join(texts)})"
-
     @classmethod
     def of(
         cls,

@@ -31,10 +31,6 @@ class Hold(Reference):
 
     pose: FloatArray
 
-    def __repr__(self) -> str:
-        """Count joints and rigs."""
-        return f"Hold({_size(self.pose)})"
-
     def at(self, time: float) -> Target:
         """Evaluate the motion: the pose, at rest."""
         still = np.zeros_like(self.pose)
@@ -54,10 +50,6 @@ class Approach(Reference):
     start: FloatArray
     pose: FloatArray
     duration: float
-
-    def __repr__(self) -> str:
-        """Count joints and rigs; name the time of travel."""
-        return f"Approach({_size(self.pose)} in {self.duration:g} s)"
 
     def at(self, time: float) -> Target:
         """Evaluate the motion."""
@@ -84,11 +76,6 @@ class Harmonics(Reference):
     amplitude: FloatArray
     frequency: FloatArray
     phase: FloatArray
-
-    def __repr__(self) -> str:
-        """Count joints, rigs and sinusoids; name the highest frequency."""
-        highest = np.max(self.frequency) / (2.0 * np.pi)
-        return f"Harmonics({_size(self.centre)}: {len(self.amplitude)} sinusoids up to {highest:.3g} Hz)"
 
     @staticmethod
     def concatenate(motions: Sequence[Harmonics]) -> Harmonics:
@@ -202,8 +189,3 @@ def from_coefficients(mean: FloatArray, cosine: FloatArray, sine: FloatArray, pe
     frequency = 2.0 * np.pi / period * np.arange(1.0, cosine.shape[1] + 1.0)[:, None, None]
     phase = np.arctan2(cosine, sine)  # a cos x + b sin x = c sin(x + phase)
     return Harmonics(mean[:, None], np.hypot(cosine, sine).T[..., None], frequency, phase.T[..., None])
-
-
-def _size(angles: FloatArray) -> str:
-    joints, rigs = angles.shape
-    return f"{joints} joints, {rigs} rig{'s' if rigs != 1 else ''}"

@@ -75,7 +75,7 @@ def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind]
         ...     def fill(self, motion, out):
         ...         out[0] = abs(motion.v) * motion.v
         >>> term_from_json(term_to_json(Drag(joints=("knee",))))
-        Drag(joints=('knee',), asymmetric=False)
+        Drag(joints=('knee',))
     """
     if kind is None:
         return lambda kind: register_term(name, kind)

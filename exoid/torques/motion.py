@@ -58,11 +58,6 @@ class Motion(NamedTuple):
         payload = None if self.payload is None else self.payload[rows]
         return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed)
 
-    def __repr__(self) -> str:
-        """Write the size in one line."""
-        samples, joints = self.q.shape
-        return f"Motion({samples} samples, {joints} joints, {len(self.states)} internal states)"
-
 
 def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -> MovingBase:
     """Rows of the entries that have one value a sample."""

@@ -104,70 +104,30 @@ class DryFriction(Term):
 class Coulomb(DryFriction):
     """Coulomb friction τ = c0 z, z = tanh(v / smoothing) (doc. 1, eqs. (34)-(35), with the opposite sign).
 
-    Attributes:
-        asymmetric: Whether each direction has a coefficient, τ = c0p max(z, 0) + c0n min(z, 0). Half the difference is
-            nearly equivalent to an offset of the torque sensor: leave :class:`Offset` out then.
+    Friction that differs between the directions is Coulomb friction with an :class:`Offset`.
     """
 
-    asymmetric: bool = False
-
-    @property
-    def symbols(self) -> tuple[str, ...]:
-        """Symbol c0, or c0p forwards and c0n backwards."""
-        return ("c0p", "c0n") if self.asymmetric else ("c0",)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Newton metres."""
-        return ("N·m",) * len(self.symbols)
-
-    @property
-    def nonnegative(self) -> tuple[str, ...]:
-        """All symbols."""
-        return self.symbols
+    symbols = ("c0",)
+    units = ("N·m",)
+    nonnegative = ("c0",)
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column z, or its positive and its negative part."""
+        """Write the column z."""
         self.direction(motion, out[0])
-        if self.asymmetric:
-            np.minimum(out[0], 0.0, out=out[1])
-            np.maximum(out[0], 0.0, out=out[0])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Viscous(Term):
-    """Viscous friction τ = d v; d > 0 dissipates.
+    """Viscous friction τ = d v; d > 0 dissipates."""
 
-    Attributes:
-        asymmetric: Whether each direction has a coefficient, τ = dp max(v, 0) + dn min(v, 0).
-    """
-
-    asymmetric: bool = False
-
+    symbols = ("d",)
+    units = ("N·m·s/rad",)
+    nonnegative = ("d",)
     friction = True
 
-    @property
-    def symbols(self) -> tuple[str, ...]:
-        """Symbol d, or dp forwards and dn backwards."""
-        return ("dp", "dn") if self.asymmetric else ("d",)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Newton metre seconds over radians."""
-        return ("N·m·s/rad",) * len(self.symbols)
-
-    @property
-    def nonnegative(self) -> tuple[str, ...]:
-        """All symbols."""
-        return self.symbols
-
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column v, or its positive and its negative part."""
-        if self.asymmetric:
-            np.maximum(motion.v, 0.0, out=out[0])
-            np.minimum(motion.v, 0.0, out=out[1])
-        else:
-            out[0] = motion.v
+        """Write the column v."""
+        out[0] = motion.v
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -85,9 +85,6 @@ SETS = {
     "high powers": (Stiffness(degree=8),),
     "Stribeck's": (Coulomb(), Stribeck()),
     "Stribeck's, sharp with a dead band": (Stribeck(velocity=0.4, smoothing=0.0, dead_band=0.3), Viscous()),
-    "of either direction its own": (Coulomb(asymmetric=True), Viscous(asymmetric=True)),
-    "sharp, of either direction its own": (Coulomb(asymmetric=True, smoothing=0.0, dead_band=0.2),),
-    "an offset that is half of either direction": (Offset(), Coulomb(asymmetric=True, smoothing=0.0)),
     "some joints only": (Coulomb(joints=("knee",)), Armature(joints=("left_knee",)), Offset(joints=("hip",))),
     "smooth at the hip, sharp at the knee": (Coulomb(joints=("hip",)), Coulomb(joints=("knee",), smoothing=0.0)),
 }

@@ -17,7 +17,6 @@ from exoid.torques.linearised import Linearised
 DRY = (
     Coulomb(),
     Coulomb(smoothing=0.0),
-    Coulomb(asymmetric=True),
     Stribeck(velocity=0.3),
     LoadFriction(),
     LoadFriction(split=True, smoothing=0.1),
@@ -127,7 +126,7 @@ def test_a_stroke_smaller_than_the_length_is_nearly_a_spring():
     assert 0.0 < power.sum() < 0.1 * power[power > 0.0].sum()
 
 
-@pytest.mark.parametrize("term", [*DRY, Viscous(asymmetric=True)])
+@pytest.mark.parametrize("term", [*DRY, Viscous()])
 @given(seeds)
 def test_friction_with_positive_parameters_takes_energy_out_at_every_moment(term, seed):
     rng = np.random.default_rng(seed)
@@ -136,7 +135,7 @@ def test_friction_with_positive_parameters_takes_energy_out_at_every_moment(term
     assert (parameters @ columns(term, v=v, load=load) * v >= 0.0).all()
 
 
-@pytest.mark.parametrize("term", [t for t in DRY if not getattr(t, "asymmetric", False)])
+@pytest.mark.parametrize("term", DRY)
 @pytest.mark.parametrize("presliding", [0.0, 1e-3])
 @given(seeds)
 def test_friction_in_a_mirror_is_friction_with_the_other_sign(term, presliding, seed):
@@ -189,10 +188,10 @@ settings = st.floats(0.0, 10.0)
 def test_a_term_survives_a_round_trip_through_json(first, second, band, yes):
     lean = {"joints": ("knee",), "dead_band": band}
     terms = [
-        Coulomb(presliding=first, smoothing=second, asymmetric=yes, **lean),
+        Coulomb(presliding=first, smoothing=second, **lean),
         LoadFriction(presliding=second, split=yes, **lean),
         Stribeck(velocity=first if first != 0.0 else 1.0, **lean),
-        *(Viscous(asymmetric=yes), Armature(), Offset(joints=("hip",)), Stiffness(degree=4, joints=("knee",))),
+        *(Viscous(), Armature(), Offset(joints=("hip",)), Stiffness(degree=4, joints=("knee",))),
     ]
     for term in terms:
         assert term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False))) == term

@@ -24,13 +24,6 @@ class FourierMotion:
     duration: float  # duration [s], a whole number of periods
     pitch: float = 0.0  # tilt of the torso [rad]
 
-    def __repr__(self) -> str:
-        """Count joints and harmonics; name frequency and duration."""
-        count, joints = self.sine.shape
-        series = f"{joints} joints, {count} harmonics of {1.0 / self.period:.3g} Hz"
-        tilt = f", torso {np.rad2deg(self.pitch):+.3g}°" if self.pitch else ""
-        return f"FourierMotion({series}, {self.duration:g} s{tilt})"
-
     def at(self, time: FloatArray) -> States:
         """Evaluate the motion at N times."""
         k = 2.0 * np.pi / self.period * np.arange(1.0, len(self.sine) + 1.0)

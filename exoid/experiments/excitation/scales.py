@@ -81,11 +81,6 @@ class Scales(NamedTuple):
     parameter_scale: FloatArray
     typical_torque: FloatArray
 
-    def __repr__(self) -> str:
-        """Count the parameters; write the typical torques."""
-        torques = ", ".join(f"{torque:.3g}" for torque in self.typical_torque)
-        return f"Scales({len(self.expected)} parameters, typical torque {torques} N·m)"
-
     @property
     def scale(self) -> FloatArray:
         """Scale of each parameter, (P,)."""
