@@ -52,13 +52,15 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
     """Squat, shift and pitch on "both" feet, or on the "left" while the right leg swings.
 
     The load is shared by a share that varies, which is what only measured wrenches tell. The ground may "lean" [rad],
-    and the sole of the left foot tip by an angle of the time [rad].
+    and the "sole" of the left foot tip by an angle of the time [rad], about a "pivot" x + i z from its origin [m].
     """
     rng = np.random.default_rng(seed)
     time = np.arange(0.0, seconds, 1.0 / rate)
     hip = np.column_stack([waves(time, rng, 0.02, 0.04), waves(time, rng, 0.74, 0.04)])
     pitch = waves(time, rng, 0.1, 0.12)
-    left = leg_angles(leg, hip, pitch, options.pop("sole", lambda _: 0.0)(time))
+    sole = options.pop("sole", np.zeros_like)(time)
+    origin = options.pop("pivot", 0.0) * (1.0 - np.exp(1j * sole))
+    left = leg_angles(leg, hip - np.column_stack([origin.real, origin.imag]), pitch, sole)
     if feet == "both":
         right = leg_angles(leg, hip + np.array([0.08, 0.0]), pitch)
     else:

@@ -29,7 +29,7 @@ from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import FORCE, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
+from .row_changes import FORCE, LEAN, PIVOT, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
@@ -78,12 +78,12 @@ def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fi
     known, level = footing.rocks, (fitted, footing)
     if known < ASKED * least or footing.found.blocks > MOST:
         return level
-    for _ in range(ROUNDS):  # masses and leans need each other
+    for turn in range(ROUNDS):  # masses, leans and pivots need each other
         before, footing = footing, find_footing(fitted, footing, lean=footing.given, rocking=True) or footing
         fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
         if footing.rocks < least:
             return level
-        if abs(footing.rocks - known) < 0.02 * known:
+        if turn > 1 and abs(footing.rocks - known) < 0.02 * known:  # pivots are not before the second
             break
         known = footing.rocks
     return fitted, footing
@@ -350,9 +350,15 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         )
         interval = (c - half, c + half)
         findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
-    model, level = fitted.models[0], slice(len(footing.links), len(footing.links) + len(footing.axes))
+    model, level = fitted.models[0], footing.part(LEAN)
     if footing.knots:
-        then = "how they lean at each time follows from the torques, and its error is part of all intervals"
+        off = 1e3 * np.column_stack(
+            [(1, -1) * np.array([*footing.pivots.values()]), halves[footing.part(PIVOT)].reshape(-1, 2)]
+        )
+        text = "{} about a place {:.0f} ± {:.0f} mm before and {:.0f} ± {:.0f} mm below its origin"
+        each = zip(footing.links, off[:, [0, 2, 1, 3]].tolist(), strict=True)
+        then = "; ".join(text.format(link, *place) for link, place in each)
+        then += ". How they lean at each time follows from the torques, and its error is part of all intervals"
         findings.append(_rocking_finding(footing.rocks, then, "", model.leg.parameter_names))
     elif footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
         then = (

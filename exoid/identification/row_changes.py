@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
+from exoid.leg.leg import Leg
 from exoid.leg.link_frames import held_directions, link_frame
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.fit import wls
@@ -27,7 +28,7 @@ from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import ImuErrors
-from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base
+from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base, tilt_of_sole
 from exoid.torques.contacts.support_model import SupportModel
 
 from .findings.kinds import KINDS
@@ -35,14 +36,22 @@ from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
 from .group_rows import Group
 from .problem import Fitted, Problem
 
-SOFT, DELAY, BESIDE = 5e-5, 2e-3, 2e-3
-"""Compliance of a sole [rad/(N·m)], delay [s] and distance from an edge [m] at which effects are computed."""
+DELAY, BESIDE = 2e-3, 2e-3
+"""Delay [s] and distance from an edge [m] at which effects are computed."""
 
 GYRO, FORCE = 0.02, 0.2  # standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]
 BLOCK = 1.5  # time beyond which the noise of rows is not correlated [s]: a stride, whose touch-downs are alike
 
-KNOT, COLOURS, TIPS = 0.25, 6, 0.01
-"""Time between knots of a lean that varies [s]; every sixth is changed at once; standard deviation of a knot [rad]."""
+KNOT, COLOURS = 0.25, 6
+"""Time between knots of a lean that varies [s]; every sixth is changed at once."""
+
+SOLE, LEAN, BIAS, PIVOT, KNOTS = range(5)
+"""Kinds of numbers of a footing, in their order."""
+
+STEPS = 5e-5, LEVEL, 1.0, 0.02, 0.01
+STDS = 1e-4, LEVEL, 1.0, 0.1, 0.01
+"""Sizes at which effects of each kind are computed, and standard deviations before any log is seen: a sole of 10
+kN·m/rad is soft, a foot reaches 0.1 m from its joint, and one that rocks does so by 10 mrad."""
 
 
 class RowChanges(NamedTuple):
@@ -61,12 +70,20 @@ class Footing(NamedTuple):
     links: tuple[str, ...]  # these feet
     axes: FloatArray  # level axes about which the ground may lean, (A, 3)
     sensor: FloatArray  # biases of angular velocity and specific force, each of the size that sensors have, (B, 6)
-    # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases
+    # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases. Where
+    # feet rock: places forward and up from the origin of each link about which they do [m], and lean by `knots` [rad]
     found: RowChanges
     level: FloatArray | None = None  # level axes, where feet told the biases as if on level ground, (L, 3)
     given: FloatArray = np.zeros(3)  # lean that was taken into account before, (3,)
-    # numbers after all these, by the angles of a recording: lean of its foot beside that of the ground [rad]
+    # by the angles of a recording, numbers that are the lean of its foot beside that of the ground
     knots: Mapping[bytes, range] = MappingProxyType({})
+
+    def part(self, kind: int) -> slice:
+        """Place of the numbers of one kind."""
+        links, knots = len(self.links), sum(map(len, self.knots.values()))
+        counts = (links, len(self.axes), len(self.sensor), 2 * links if knots else 0, knots)
+        first = sum(counts[:kind])
+        return slice(first, first + counts[kind])
 
     @property
     def compliance(self) -> dict[str, float]:
@@ -76,12 +93,12 @@ class Footing(NamedTuple):
     @property
     def lean(self) -> FloatArray:
         """Lean of the ground, a rotation vector [rad], (3,)."""
-        return self.given + self.found.values[len(self.links) :][: len(self.axes)] @ self.axes
+        return self.given + self.found.values[self.part(LEAN)] @ self.axes
 
     @property
     def imu(self) -> ImuErrors:
         """Bias of the inertial measurement unit, with zeros for what the motion does not show."""
-        part = slice(first := len(self.links) + len(self.axes), first + len(self.sensor))
+        part = self.part(BIAS)
         bias, spread = self.found.values[part] @ self.sensor, self.found.spread[part, part]
         std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
         return ImuErrors(bias[:3], bias[3:], std)
@@ -94,36 +111,78 @@ class Footing(NamedTuple):
             return None
         return c @ (self.axes if self.links else FORCE / GRAVITY * self.level)
 
-    def lean_during(self, one: Recording, lateral: FloatArray) -> FloatArray:
-        """Lean of the foot that carries the base of a recording, rotation vectors [rad], (3,) or (N, 3)."""
-        knots = self.knots.get(one.q.tobytes())
-        if knots is None:
-            return self.lean
-        spline = scipy.interpolate.BSpline(KNOT * np.arange(-3.0, len(knots) + 1.0), self.found.values[knots], 3)
-        return self.lean + np.outer(spline(one.time - one.time[0]), lateral)
+    @property
+    def pivots(self) -> dict[str, FloatArray]:
+        """Place about which each foot rocks, forward and up from the origin of its link [m], (2,)."""
+        return dict(zip(self.links, self.found.values[self.part(PIVOT)].reshape(-1, 2), strict=False))
 
     @property
     def rocks(self) -> float:
         """Standard deviation of the lean of a foot about that of the ground [rad]."""
-        if self.knots:
-            return float(np.std(self.found.values[len(self.found.values) - sum(map(len, self.knots.values())) :]))
-        first = len(self.links)
-        variance = np.diag(self.found.spread)[first : first + len(self.axes)]
+        if self.knots:  # at its knots, a spline is this mean of its numbers
+            each = [np.convolve(self.found.values[k], (1 / 6, 2 / 3, 1 / 6), "valid") for k in self.knots.values()]
+            return float(np.std(np.concatenate(each)))
+        variance = np.diag(self.found.spread)[self.part(LEAN)]
         return float(np.sqrt(variance.max(initial=0.0) * self.found.blocks))
 
     def plus(self, step: FloatArray) -> Footing:
         """Change the numbers."""
         return self._replace(found=self.found._replace(values=self.found.values + step))
 
+    def carried(self, leg: Leg, one: Recording, link: str) -> StandingBase:
+        """Motion of a base that one of the feet carries."""
+        # It follows from the angles once more: a foot leans with the ground, on its sole, and as it rocks
+        lean = self.lean + self.compliance.get(link, 0.0) * tilt_of_sole(leg, one, link)
+        if (knots := self.knots.get(one.q.tobytes())) is None:
+            return standing_base(leg, one, link, lean)
+        spline = scipy.interpolate.BSpline(KNOT * np.arange(-3.0, len(knots) + 1.0), self.found.values[knots], 3)
+        lean = lean + np.outer(spline(one.time - one.time[0]), leg.plane.lateral)
+        return standing_base(leg, one, link, lean, self.pivots[link] @ (leg.plane.forward, leg.plane.up))
+
 
 def find_footing(
     fitted: Fitted, about: Footing | None = None, *, lean: FloatArray | None = None, rocking: bool = False
 ) -> Footing | None:
-    """Find the compliance θ = c τ of soles and the lean of the ground, or what rest did not tell of a sensor's bias."""
-    problem = fitted.problem
+    """Find how feet stand that carry a base, or what rest did not tell of a sensor's bias, beside the parameters."""
+    about = _begin(fitted, about, np.zeros(3) if lean is None else lean, rocking=rocking)
+    if about is None:
+        return None
+    # No row depends on two feet that carry the base, or on two knots of a colour: one change of the problem tells what
+    # each of them does
+    parts = [about.part(kind) for kind in range(5)]
+    counts = [part.stop - part.start for part in parts]
+    periods = 1, max(1, counts[LEAN]), max(1, counts[BIAS]), 2, COLOURS
+    sizes = [*map(min, counts, periods)]
+    colours = [sum(sizes[:k]) + np.arange(counts[k]) % periods[k] for k in range(5)]
+    changes = [step * (np.concatenate(colours) == k) for k, step in enumerate(np.repeat(STEPS, sizes).tolist())]
+
+    def numbers(one: Recording, time: FloatArray) -> NDArray[np.intp]:
+        foot = about.links.index(one.base.link) if isinstance(one.base, StandingBase) else 0
+        pivot = parts[PIVOT].start + 2 * foot
+        fixed = [*range(foot, foot + sizes[SOLE]), *range(parts[LEAN].start, parts[BIAS].stop)]
+        fixed += range(pivot, pivot + sizes[PIVOT])
+        own = about.knots.get(one.q.tobytes(), range(0))
+        k = own.start + np.floor((time[:, np.newaxis] - one.time[0]) / KNOT).astype(np.intp) - 1
+        k = k + (np.arange(sizes[KNOTS]) + parts[KNOTS].start - k) % COLOURS
+        return np.hstack([np.tile(fixed, (len(time), 1)), np.where((k >= own.start) & (k < own.stop), k, -1)])
+
+    others = [tilted(fitted.problem, about.plus(change), about) for change in changes]
+    steps, std, soles = np.repeat(STEPS, sizes), np.repeat(STDS, counts), counts[SOLE]
+    found = row_changes(fitted, others, steps, prior_std=std, prior_mean=-about.found.values, numbers=numbers)
+    free = about.found.values + found.values
+    values = np.append(np.maximum(free[:soles], 0.0), free[soles:])
+    # Part of itself by which a compliance varies: soles are stiffer under more load
+    doubt = (free - values) ** 2
+    doubt[:soles] += (0.2 * values[:soles]) ** 2
+    covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
+    return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
+
+
+def _begin(fitted: Fitted, about: Footing | None, given: FloatArray, *, rocking: bool) -> Footing | None:
+    """Tell what numbers say how feet stand, with the values that were found before; None where there are none."""
+    problem, leg = fitted.problem, fitted.models[0].leg
     data = [one for group in problem.groups for one in group.data if isinstance(one, Recording)]
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
-    leg = fitted.models[0].leg
     rested = any(one.kind in ("imu-bias", "imu-unchecked") for group in problem.groups for one in group.findings)
     biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
     if not links and not biased:
@@ -134,40 +193,18 @@ def find_footing(
     level = turns[:2] if rested and biased else None
     if level is not None:  # the ground that leans turns gravity
         sensor = FORCE * np.hstack([np.zeros_like(level), np.cross(level, up)])
-    counts = len(links), len(axes), len(sensor) if biased and not (rested and links) else 0
-    # Standard deviations before any log is seen: a sole of 10 kN·m/rad is soft
-    steps, prior = (np.repeat([c, LEVEL, 1.0], counts) for c in (SOFT, 1e-4))
-    given = np.zeros(3) if lean is None else lean
-    start, knots = (np.zeros(len(steps)), {}) if about is None else (about.found.values, dict(about.knots))
-    for one in data if rocking else ():  # a foot that rocks leans otherwise at each time, by a cubic spline
-        if isinstance(one.base, StandingBase) and one.q.tobytes() not in knots:
-            count = int((one.time[-1] - one.time[0]) / KNOT) + 4
-            knots[one.q.tobytes()] = range(len(start), len(start) + count)
-            start = np.append(start, np.zeros(count))
-    prior = np.append(prior, np.full(len(start) - len(prior), TIPS))
-    none = np.zeros((len(start), len(start)))
-    about = Footing(links, axes, sensor[: counts[2]], RowChanges(start, none, none, none), level, given, knots)
-    # No row depends on two knots of a colour, so that one change of the problem tells what each of them does
-    first = len(steps)
-    colours = np.concatenate([np.arange(first), *(first + np.arange(len(each)) % COLOURS for each in knots.values())])
-    steps = np.append(steps, np.full(COLOURS if knots else 0, TIPS))
-    others = [tilted(problem, about.plus(step * (colours == k)), about) for k, step in enumerate(steps.tolist())]
-
-    def numbers(one: Recording, time: FloatArray) -> NDArray[np.intp]:
-        nearest, own = np.floor((time - one.time[0]) / KNOT).astype(np.intp) - 1, knots.get(one.q.tobytes(), range(0))
-        k = np.add.outer(nearest, np.zeros(len(steps) - first, dtype=np.intp))
-        k += (np.arange(len(steps) - first) - k) % COLOURS
-        k = np.where((k >= 0) & (k < len(own)), own.start + k, -1)
-        return np.hstack([np.tile(np.arange(first), (len(time), 1)), k])
-
-    found = row_changes(fitted, others, steps, prior_std=prior, prior_mean=-start, numbers=numbers)
-    free = start + found.values
-    values = np.append(np.maximum(free[: len(links)], 0.0), free[len(links) :])
-    # Part of itself by which a compliance varies: soles are stiffer under more load
-    doubt = (free - values) ** 2
-    doubt[: len(links)] += (0.2 * values[: len(links)]) ** 2
-    covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
-    return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
+    sensor = sensor if biased and not (rested and links) else sensor[:0]
+    count = len(links) + len(axes) + len(sensor)
+    values, knots = (np.zeros(count), {}) if about is None else (about.found.values, dict(about.knots))
+    if rocking and not knots:  # a foot that rocks leans otherwise at each time, by a cubic spline
+        values = np.append(values, np.zeros(2 * len(links)))
+        for one in data:
+            if isinstance(one.base, StandingBase) and one.q.tobytes() not in knots:
+                several = int((one.time[-1] - one.time[0]) / KNOT) + 4
+                knots[one.q.tobytes()] = range(len(values), len(values) + several)
+                values = np.append(values, np.zeros(several))
+    none = np.zeros((len(values), len(values)))
+    return Footing(links, axes, sensor, RowChanges(values, none, none, none), level, given, knots)
 
 
 def _may_be_biased(base: BaseMotion | None) -> bool:
@@ -301,16 +338,14 @@ def row_changes(
 
 def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:
     """Let the feet that carry the base tilt on their soles, and the ground lean; take the bias of the sensor out."""
-    # A base that feet carry follows from the angles once more; of a bias, a part has been taken out before
-    compliance, imu = footing.compliance, footing.imu
-    if before is not None:
+    imu = footing.imu
+    if before is not None:  # of a bias, a part has been taken out
         gone = before.imu
         imu = imu._replace(gyro_bias=imu.gyro_bias - gone.gyro_bias, force_bias=imu.force_bias - gone.force_bias)
 
     def tilt(model: TorqueModel, one: Recording) -> Recording:
         if isinstance(one.base, StandingBase):
-            link, lean = one.base.link, footing.lean_during(one, model.leg.plane.lateral)
-            return replace(one, base=standing_base(model.leg, one, link, compliance.get(link, 0.0), lean))
+            return replace(one, base=footing.carried(model.leg, one, one.base.link))
         if one.base is None or not _may_be_biased(one.base):
             return one
         return replace(one, base=replace(imu.corrected(one.base), calibrated=False))

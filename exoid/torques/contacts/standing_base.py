@@ -36,34 +36,33 @@ class StandingBase(BaseMotion):
 
 
 def standing_base(
-    leg: Leg, recording: Recording, link: str, compliance: float = 0.0, lean: ArrayLike = (0.0, 0.0, 0.0)
+    leg: Leg, recording: Recording, link: str, lean: ArrayLike = (0.0, 0.0, 0.0), pivot: FloatArray | None = None
 ) -> StandingBase:
     """Derive the motion of the base from the joint angles while a link rests flat on ground that leans little."""
     # The link stands as it does where all joints of the URDF are at zero and the base is upright. Elsewhere the result
-    # has no meaning. On a soft sole it tilts by c τ about the axis of the joint that carries it, whose torque τ is the
-    # moment of the ground on it but for the weight of the foot. The ground itself leans by a rotation vector [rad].
+    # has no meaning. It leans by a rotation vector [rad], (3,) or (N, 3), in level axes. A foot that leans otherwise at
+    # each time turns about a pivot, a place from the origin of the link in level axes [m].
     rotation, position = link_placements(leg, recording.q, link)
-    turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)  # laboratory from base
-    if compliance:
-        turn = _tilts(leg, recording, link, compliance) @ turn
-    turn = scipy.spatial.transform.Rotation.from_rotvec(np.asarray(lean, dtype=np.float64)).as_matrix() @ turn
+    leans = scipy.spatial.transform.Rotation.from_rotvec(np.asarray(lean, dtype=np.float64)).as_matrix()
+    turn = leans @ level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)  # laboratory from base
     place = -np.einsum("nij,nj->ni", turn, position)
+    if pivot is not None:
+        place += pivot - leans @ pivot
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
     cutoff = min(0.2 * recording.sample_rate, CUTOFF)
     found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
     return StandingBase(found.angular_velocity, found.specific_force, found.position, found.pose, link=link)
 
 
-def _tilts(leg: Leg, recording: Recording, link: str, compliance: float) -> FloatArray:
-    """Rotations of a foot by the torque of the joint that carries it, in level axes, (N, 3, 3)."""
+def tilt_of_sole(leg: Leg, recording: Recording, link: str) -> FloatArray:
+    """Find how a sole of unit compliance leans, rotation vectors in level axes [N·m], (N, 3)."""
+    # On a soft sole the foot leans by c τ about the axis of the joint that carries it, whose torque τ is the moment of
+    # the ground on it but for the weight of the foot.
     body, _ = link_frame(leg.model, leg.description, link)
-    tau = recording.tau
-    if body < 0 or tau is None:
-        return np.broadcast_to(np.eye(3), (len(recording), 3, 3))
+    if body < 0 or recording.tau is None:
+        return np.zeros((len(recording), 3))
     level = leg.forward_kinematics(np.zeros((1, len(leg.joint_names)))).rotation[0, body]
-    axis = level @ joint_axis(leg.model.joints[body + 1])[3:]
-    angle = compliance * np.where(np.isfinite(tau[:, body]), tau[:, body], 0.0)
-    return np.asarray(scipy.spatial.transform.Rotation.from_rotvec(angle[:, np.newaxis] * axis).as_matrix())
+    return np.outer(np.nan_to_num(recording.tau[:, body]), level @ joint_axis(leg.model.joints[body + 1])[3:])
 
 
 def standing_reading(
