@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import scipy  # its parts load when they are first used
+from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding, Severity
@@ -19,7 +20,7 @@ from exoid.signals.base_checks import flies
 from exoid.signals.cutoff import robust_std, white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
-from exoid.torques.contacts.imu import ROCKS, ImuErrors
+from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
@@ -29,25 +30,23 @@ from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import FORCE, LEAN, PIVOT, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
+from .row_changes import LEAN, PIVOT, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
 
 FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
 LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
-STEEPEST = np.deg2rad(10.0)  # a lean from which on torques are not asked once more: they, or the model, are wrong
+MANY = 2000  # samples that the reference of closed chains is chosen for
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
 
 
-def fit_on_ground(
-    problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool, lean: FloatArray | None = None
-) -> Fitted:
+def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
-    # Where feet carry a base that was not measured, the compliance of their soles is found, too; where no rest told the
-    # bias of its sensor, this bias. What they explain hides no outliers then, which are looked for once more.
-    given, lean = problem, np.zeros(3) if lean is None else lean
-    problem = on_ground(problem, estimator, by_noise=by_noise, check=check, lean=lean)
+    # Where feet carry a base that was not measured, the compliance of their soles and the lean of the ground are found,
+    # too; where feet told the bias of its sensor, this lean; where no rest told it, this bias. What they explain hides
+    # no outliers then, which are looked for once more.
+    problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
     try:
         problem = without_outliers(fit_linear(problem, huber))
     except ExoidError as error:
@@ -55,31 +54,27 @@ def fit_on_ground(
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit_linear(problem, estimator)
-    found = find_footing(fitted, lean=lean)
-    if found is not None and found.leans is not None and np.linalg.norm(lean) < STEEPEST:
-        return fit_on_ground(given, estimator, by_noise=by_noise, check=check, lean=lean + found.leans)
-    if found is None or (not found.links and found.level is not None):
-        fitted = fitted._replace(findings=tuple(contact_offsets(fitted)) if check else ())
-        return _suspended(fitted if found is None else _leaning(fitted, found, lean), estimator)
-    problem = without_outliers(fit_linear(tilted(problem, found), huber))
-    # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-    footing = find_footing(fit_linear(problem, estimator), found, lean=lean) or found
-    fitted = fit_linear(tilted(problem, footing, found), estimator)
-    fitted, footing = _rocking(fitted, footing, estimator)
-    slopes = footing.found.slopes
-    doubt = slopes @ footing.found.spread @ slopes.T
-    findings = (*_footing_findings(footing, fitted), *(contact_offsets(fitted) if check else ()))
-    return fitted._replace(findings=findings, doubt=doubt)
+    if (found := find_footing(fitted)) is not None:
+        problem = without_outliers(fit_linear(tilted(problem, found), huber))
+        # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
+        footing = find_footing(fit_linear(problem, estimator), found) or found
+        fitted = fit_linear(tilted(problem, footing, found), estimator)
+        fitted, footing = _rocking(fitted, footing, estimator)
+        slopes = footing.found.slopes
+        doubt = slopes @ footing.found.spread @ slopes.T
+        fitted = fitted._replace(findings=tuple(_footing_findings(footing, fitted)), doubt=doubt)
+    findings = (*fitted.findings, *_told_findings(fitted), *(contact_offsets(fitted) if check else ()))
+    return _suspended(fitted._replace(findings=findings), estimator)
 
 
 def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fitted, Footing]:
     """Find how feet rock that carry a base, where their lean is not the same in all blocks of time."""
     least = ROCKS / GRAVITY
     known, level = footing.rocks, (fitted, footing)
-    if known < ASKED * least or footing.found.blocks > MOST:
+    if not footing.links or known < ASKED * least or footing.found.blocks > MOST:
         return level
     for turn in range(ROUNDS):  # masses, leans and pivots need each other
-        before, footing = footing, find_footing(fitted, footing, lean=footing.given, rocking=True) or footing
+        before, footing = footing, find_footing(fitted, footing, rocking=True) or footing
         fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
         if footing.rocks < least:
             return level
@@ -87,30 +82,6 @@ def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fi
             break
         known = footing.rocks
     return fitted, footing
-
-
-def _leaning(fitted: Fitted, footing: Footing, lean: FloatArray) -> Fitted:
-    """Allow for how well torques say how the ground leans under feet that told the bias of the sensor."""
-    left, slopes = footing.found.values, footing.found.slopes
-    doubt = slopes @ (footing.found.covariance + np.outer(left, left)) @ slopes.T
-    if not lean.any():
-        return fitted._replace(doubt=doubt)
-    half = 2.0 * FORCE / GRAVITY * float(np.sqrt(np.trace(footing.found.covariance)))
-    text = (
-        "the bias of the base's sensor follows from feet that rest. By the torques, the ground under them leans by {}"
-    )
-    finding = _lean_finding(float(np.linalg.norm(lean)), half, text, "calibrate the sensor")
-    return fitted._replace(doubt=doubt, findings=(*fitted.findings, finding))
-
-
-def _lean_finding(angle: float, half: float, text: str, otherwise: str) -> Finding:
-    """Say by how much the ground leans [rad], ± half."""
-    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
-    leans, interval = angle - half > 2.0 * LEVEL, (np.rad2deg(angle - half), np.rad2deg(angle + half))
-    text = text.format(f"{np.rad2deg(angle):.2g} ± {np.rad2deg(half):.2g}°, which was taken into account")
-    remedy = f"level the ground, or check the zeros of the angles; {otherwise}"
-    severity: Severity = "warning" if leans else "info"
-    return Finding("base-from-feet", "", float(np.rad2deg(angle)), "°", severity, text, remedy, interval)
 
 
 def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -145,54 +116,47 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     )
     remedy, names = "weigh the machine (known=), or let a foot push on the ground", (problem.names[most],)
     finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", text, remedy, parameters=names)
-    return fitted._replace(findings=(*fitted.findings, finding), doubt=np.outer(moved, moved))
+    doubt = np.outer(moved, moved) + (0.0 if fitted.doubt is None else fitted.doubt)
+    return fitted._replace(findings=(*fitted.findings, finding), doubt=doubt)
 
 
-def on_ground(
-    problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool, lean: ArrayLike = (0.0, 0.0, 0.0)
-) -> Problem:
+def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
     """Split the recordings of each group by the links that rest on the ground with an unknown wrench."""
     if getattr(estimator, "fits_samples", False):
         raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber or ols")
     if any(term.loaded for term in problem.terms):
         raise NotSupportedError("terms beside a ground are linear in their parameters", remedy="leave LoadFriction out")
-    groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check, lean=lean)]
+    groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check)]
     share = 1.0 / len(groups)
     return replace(problem, groups=tuple(replace(group, memory_share=share) for group in groups))
 
 
-def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> list[Group]:
+def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     """Make a group of the recordings of each set of links, the first of which has the findings of all."""
     model = group.model
     if group.actuators is not None and unknown_constants(group.actuators):
         raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
-    rates = [one.sample_rate for one in group.data if isinstance(one, Recording)]
-    if group.preparation is None or any(group.preparation.parallel(rate) is None for rate in rates):
-        raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     found: dict[tuple[tuple[str, ...], bool], list[Recording]] = {}
     findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
     data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
     if len(data) < len(group.data):
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
+    if group.preparation is None or any(group.preparation.parallel(one.sample_rate) is None for one in data):
+        raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
-    every = [split(model.leg, one, smears, lean=lean) for one in data]
+    every = [split(model.leg, one, smears) for one in data]
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
     apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
     if apart > ROCKS:
         findings.append(_rocking_finding(apart / GRAVITY, "they tell no bias of the base's sensor"))
-        every, known = [split(model.leg, one, smears, lean=None) for one in data], []
+        every, known = [split(model.leg, one, smears, tell=False) for one in data], []
     session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
     for one, own in zip(data, every, strict=True):
-        told = any(own.imu is errors for errors in known)
-        biased = model.leg.base_rows and one.base is not None and not one.base.calibrated and not told
-        parts = split(model.leg, one, smears, session, lean) if biased and session is not None else own
+        told = one.base is None or any(own.imu is errors for errors in known)
+        parts = own if told or session is None else split(model.leg, one, smears, session)
         findings += _left_out(parts, one)
-        errors = session if biased else own.imu
-        when = "by another recording of the session" if biased else "while a foot rested"
-        if errors is not None and (biased or errors.gyro_bias.any() or errors.force_bias.any()):
-            findings.append(_imu_finding(errors, when, source_of(one), model.leg.parameter_names))
         for part in parts.stretches:
             # on plates, rows that need no plate come first: what plates add has their noise, and a cut-off of its own
             for plates in (False, True) if part.plates else (False,):
@@ -223,9 +187,6 @@ def _split(group: Group, *, by_noise: bool, check: bool, lean: ArrayLike) -> lis
             )
         )
     return groups
-
-
-MANY = 2000  # samples that the reference of closed chains is chosen for
 
 
 def _left_out(parts: Split, recording: Recording) -> list[Finding]:
@@ -289,6 +250,16 @@ def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[
     return Finding("rocking-foot", "", angle, "rad", "warning", text, remedy, None, parameters, name)
 
 
+def _told_findings(fitted: Fitted) -> Iterator[Finding]:
+    """Say what feet told of the errors of sensors."""
+    data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
+    bases = {source_of(one): one.base for one in data if isinstance(one.base, CorrectedBase)}
+    for name, base in bases.items():
+        when = "while a foot rested" if base.own else "by another recording of the session"
+        errors = base.told._replace(force_bias=base.bias)
+        yield _imu_finding(errors, when, name, fitted.models[0].leg.parameter_names)
+
+
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
     """Say what was taken out of the readings of an inertial measurement unit."""
     gyro, force = (", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias))
@@ -350,39 +321,46 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         )
         interval = (c - half, c + half)
         findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
-    model, level = fitted.models[0], footing.part(LEAN)
+    names = fitted.models[0].leg.parameter_names
     if footing.knots:
-        off = 1e3 * np.column_stack(
-            [(1, -1) * np.array([*footing.pivots.values()]), halves[footing.part(PIVOT)].reshape(-1, 2)]
-        )
+        places = np.hstack([[*footing.pivots.values()] * np.array([1, -1]), halves[footing.part(PIVOT)].reshape(-1, 2)])
         text = "{} about a place {:.0f} ± {:.0f} mm before and {:.0f} ± {:.0f} mm below its origin"
-        each = zip(footing.links, off[:, [0, 2, 1, 3]].tolist(), strict=True)
+        each = zip(footing.links, (1e3 * places[:, [0, 2, 1, 3]]).tolist(), strict=True)
         then = "; ".join(text.format(link, *place) for link, place in each)
         then += ". How they lean at each time follows from the torques, and its error is part of all intervals"
-        findings.append(_rocking_finding(footing.rocks, then, "", model.leg.parameter_names))
-    elif footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
-        then = (
-            "logs are too long to find how they lean at each time, and no interval holds it: pass some minutes of them"
-        )
-        found = _rocking_finding(footing.rocks, then, "", model.leg.parameter_names)
-        findings.append(replace(found, severity="error"))
+        findings.append(_rocking_finding(footing.rocks, then, "", names))
+    elif footing.links and footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
+        then = "logs are too long to find how they lean at each time, and no interval holds it: pass some minutes"
+        findings.append(replace(_rocking_finding(footing.rocks, then, "", names), severity="error"))
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
-        findings.append(_imu_finding(footing.imu, when, "", model.leg.parameter_names))
-    if not footing.links:
-        return findings
-    # what one degree moves, first the parameters that it moves by most of their standard deviations
+        findings.append(_imu_finding(footing.imu, when, "", names))
+    angle, half = (float(np.rad2deg(np.linalg.norm(x))) for x in (footing.lean, halves[footing.part(LEAN)]))
+    if footing.links or angle > 2.0 * half:
+        findings.append(_lean_finding(footing, fitted, angle, half))
+    return findings
+
+
+def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -> Finding:
+    """Say by how much the ground leans [deg], and what one degree would move."""
+    # first the parameters that it moves by most of their standard deviations
+    model = fitted.models[0]
     places = fitted.problem.places[0][: len(model.names)]
-    moves = np.deg2rad(1.0) * np.linalg.norm(footing.found.slopes[places, level], axis=1)
+    moves = np.deg2rad(1.0) * np.linalg.norm(footing.found.slopes[places, footing.part(LEAN)], axis=1)
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))[places]
     most = np.argsort(-moves / np.where(std > 0.0, std, np.inf))[:3]
     moved = ", ".join(f"{model.names[k]} by {moves[k]:.2g} {model.units[k]}" for k in most)
+    what, remedy = "the motion of the base was not measured, and", "record an IMU on the torso"
+    if not footing.links:
+        what, remedy = "the bias of the base's sensor", "calibrate the sensor"
     text = (
-        "the motion of the base was not measured, and follows from feet that rest. The ground under them leans by {}; "
-        f"one degree would move {moved}"
+        f"{what} follows from feet that rest. The ground under them leans by {angle:.2g} ± {half:.2g}°, which was "
+        f"taken into account; one degree would move {moved}"
     )
-    angle, half = (float(np.linalg.norm(x)) for x in (footing.lean, halves[level]))
-    return [*findings, _lean_finding(angle, half, text, remedy)]
+    remedy = f"level the ground, or check the zeros of the angles; {remedy}"
+    # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
+    severity: Severity = "warning" if angle - half > np.rad2deg(2.0 * LEVEL) else "info"
+    return Finding("base-from-feet", "", angle, "°", severity, text, remedy, (angle - half, angle + half))
 
 
 def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
@@ -401,17 +379,11 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[NDArray[np.bool_]]:
     middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in every.T]
     scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
     for (one, mask), (time, left) in zip(_masked(problem.groups[index]), residuals, strict=True):
-        far = (np.abs(left) > FAR * scale).any(axis=1)
-        found.append(mask & _near(one.time, time[far]) if far.any() else np.zeros(len(mask), dtype=np.bool_))
+        far = np.zeros(len(mask), dtype=np.bool_)
+        far[np.searchsorted(one.time, time[(np.abs(left) > FAR * scale).any(axis=1)])] = True
+        near = scipy.ndimage.binary_dilation(far, iterations=round(EDGE * one.sample_rate))
+        found.append(mask & near)
     return found
-
-
-def _near(time: FloatArray, moments: FloatArray) -> NDArray[np.bool_]:
-    """Samples within the edge of some moments, (N,)."""
-    places = np.searchsorted(moments, time)
-    before = time - moments[np.maximum(places - 1, 0)]
-    after = moments[np.minimum(places, len(moments) - 1)] - time
-    return (np.abs(before) <= EDGE) | (np.abs(after) <= EDGE)
 
 
 def _outlier(support: str, share: float, recording: Recording, *, kept: bool) -> Finding:

@@ -20,14 +20,13 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import held_directions, link_frame
-from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
-from exoid.torques.contacts.imu import ImuErrors
+from exoid.torques.contacts.imu import CorrectedBase, ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base, tilt_of_sole
 from exoid.torques.contacts.support_model import SupportModel
 
@@ -73,8 +72,6 @@ class Footing(NamedTuple):
     # compliance of each sole [rad/(N·m)], lean of the ground about each axis [rad], and multiples of the biases. Where
     # feet rock: places forward and up from the origin of each link about which they do [m], and lean by `knots` [rad]
     found: RowChanges
-    level: FloatArray | None = None  # level axes, where feet told the biases as if on level ground, (L, 3)
-    given: FloatArray = np.zeros(3)  # lean that was taken into account before, (3,)
     # by the angles of a recording, numbers that are the lean of its foot beside that of the ground
     knots: Mapping[bytes, range] = MappingProxyType({})
 
@@ -93,7 +90,7 @@ class Footing(NamedTuple):
     @property
     def lean(self) -> FloatArray:
         """Lean of the ground, a rotation vector [rad], (3,)."""
-        return self.given + self.found.values[self.part(LEAN)] @ self.axes
+        return self.found.values[self.part(LEAN)] @ self.axes
 
     @property
     def imu(self) -> ImuErrors:
@@ -102,14 +99,6 @@ class Footing(NamedTuple):
         bias, spread = self.found.values[part] @ self.sensor, self.found.spread[part, part]
         std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
         return ImuErrors(bias[:3], bias[3:], std)
-
-    @property
-    def leans(self) -> FloatArray | None:
-        """Lean of the ground that torques say beside the biases that feet told, a rotation vector [rad], (3,)."""
-        c, std = (x[len(self.links) :] for x in (self.found.values, np.sqrt(np.diag(self.found.covariance))))
-        if self.level is None or (np.abs(c) <= 4.0 * std).all():
-            return None
-        return c @ (self.axes if self.links else FORCE / GRAVITY * self.level)
 
     @property
     def pivots(self) -> dict[str, FloatArray]:
@@ -140,11 +129,9 @@ class Footing(NamedTuple):
         return standing_base(leg, one, link, lean, self.pivots[link] @ (leg.plane.forward, leg.plane.up))
 
 
-def find_footing(
-    fitted: Fitted, about: Footing | None = None, *, lean: FloatArray | None = None, rocking: bool = False
-) -> Footing | None:
-    """Find how feet stand that carry a base, or what rest did not tell of a sensor's bias, beside the parameters."""
-    about = _begin(fitted, about, np.zeros(3) if lean is None else lean, rocking=rocking)
+def find_footing(fitted: Fitted, about: Footing | None = None, *, rocking: bool = False) -> Footing | None:
+    """Find how feet stand that carry a base or told a bias, or a bias that none told, beside the parameters."""
+    about = _begin(fitted, about, rocking=rocking)
     if about is None:
         return None
     # No row depends on two feet that carry the base, or on two knots of a colour: one change of the problem tells what
@@ -178,22 +165,19 @@ def find_footing(
     return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
 
 
-def _begin(fitted: Fitted, about: Footing | None, given: FloatArray, *, rocking: bool) -> Footing | None:
+def _begin(fitted: Fitted, about: Footing | None, *, rocking: bool) -> Footing | None:
     """Tell what numbers say how feet stand, with the values that were found before; None where there are none."""
-    problem, leg = fitted.problem, fitted.models[0].leg
-    data = [one for group in problem.groups for one in group.data if isinstance(one, Recording)]
+    leg = fitted.models[0].leg
+    data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
-    rested = any(one.kind in ("imu-bias", "imu-unchecked") for group in problem.groups for one in group.findings)
+    # a lean of the ground turns gravity in what feet told, too
+    stand = bool(links) or any(isinstance(one.base, CorrectedBase) and one.base.pose is None for one in data)
     biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
-    if not links and not biased:
+    if not stand and not biased:
         return None
     forward, lateral, up = leg.plane
     turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
-    axes, sensor = (turns[:2] if links else turns[:0]), scipy.linalg.block_diag(GYRO * turns, FORCE * pushes)
-    level = turns[:2] if rested and biased else None
-    if level is not None:  # the ground that leans turns gravity
-        sensor = FORCE * np.hstack([np.zeros_like(level), np.cross(level, up)])
-    sensor = sensor if biased and not (rested and links) else sensor[:0]
+    axes, sensor = turns[: 2 * stand], scipy.linalg.block_diag(GYRO * turns, FORCE * pushes)[: 6 * biased]
     count = len(links) + len(axes) + len(sensor)
     values, knots = (np.zeros(count), {}) if about is None else (about.found.values, dict(about.knots))
     if rocking and not knots:  # a foot that rocks leans otherwise at each time, by a cubic spline
@@ -204,12 +188,12 @@ def _begin(fitted: Fitted, about: Footing | None, given: FloatArray, *, rocking:
                 knots[one.q.tobytes()] = range(len(values), len(values) + several)
                 values = np.append(values, np.zeros(several))
     none = np.zeros((len(values), len(values)))
-    return Footing(links, axes, sensor, RowChanges(values, none, none, none), level, given, knots)
+    return Footing(links, axes, sensor, RowChanges(values, none, none, none), knots)
 
 
 def _may_be_biased(base: BaseMotion | None) -> bool:
     """Whether a base was measured by a sensor whose bias is neither known nor taken out."""
-    return base is not None and base.pose is None and not base.calibrated
+    return base is not None and base.pose is None and not base.calibrated and not isinstance(base, CorrectedBase)
 
 
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
@@ -346,6 +330,8 @@ def tilted(problem: Problem, footing: Footing, before: Footing | None = None) ->
     def tilt(model: TorqueModel, one: Recording) -> Recording:
         if isinstance(one.base, StandingBase):
             return replace(one, base=footing.carried(model.leg, one, one.base.link))
+        if isinstance(one.base, CorrectedBase) and one.base.pose is None:
+            return replace(one, base=one.base.leaning(footing.lean))
         if one.base is None or not _may_be_biased(one.base):
             return one
         return replace(one, base=replace(imu.corrected(one.base), calibrated=False))

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.signals import BaseMotion, Recording
+from exoid.signals import BaseMotion
 
-from .standing_base import standing_reading
+from .standing_base import StandingBase
 
 LEAST = 1.0
 """Shortest rest of all feet together from which a bias is estimated [s]."""
@@ -48,6 +48,7 @@ class ImuErrors(NamedTuple):
     force_bias: FloatArray  # offset of the specific force [m/s²], (3,)
     std: FloatArray  # standard deviations of the six numbers above, in their order, (6,)
     rocks: float = 0.0  # angle by which the feet rock [rad, standard deviation], which then tell nothing
+    turn: FloatArray = np.zeros((3, 3))  # mean turn of level axes into those of the base, while feet rested
 
     def corrected(self, base: BaseMotion) -> BaseMotion:
         """Take the errors out of readings."""
@@ -55,20 +56,33 @@ class ImuErrors(NamedTuple):
         return BaseMotion(omega, force, base.position, base.pose, calibrated=True)
 
 
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class CorrectedBase(BaseMotion):
+    """Motion of a base without the bias of its sensor, which feet told as if the ground were level."""
+
+    told: ImuErrors  # what feet told
+    own: bool  # whether feet of this recording did, not those of another one of the session
+    bias: FloatArray  # offset of the specific force that was taken out [m/s²], (3,)
+
+    def leaning(self, lean: FloatArray) -> CorrectedBase:
+        """Let the feet rest on ground that leans by a rotation vector [rad]."""
+        # By level ground gravity points along Rᵀ ḡ, by ground that leans with the turn T along Rᵀ Tᵀ ḡ
+        up = np.array([0.0, 0.0, GRAVITY])
+        tilted = scipy.spatial.transform.Rotation.from_rotvec(lean).apply(up, inverse=True)
+        bias = self.told.force_bias + self.told.turn @ (up - tilted)
+        return replace(self, specific_force=self.specific_force + self.bias - bias, bias=bias)
+
+
 def imu_errors(
-    leg: Leg, recording: Recording, resting: Mapping[str, NDArray[np.bool_]], lean: ArrayLike = (0.0, 0.0, 0.0)
+    base: BaseMotion, still: Mapping[str, StandingBase], resting: Mapping[str, NDArray[np.bool_]], rate: float
 ) -> ImuErrors | None:
-    """Compare an inertial measurement unit with the motion that joint angles say while a foot is flat on the ground."""
+    """Compare an inertial measurement unit with what it would read on each foot, while this is flat on the ground."""
     # Readings are ω' = ω + b_ω and f' = f + b_f with biases b. A foot that rolls over heel or toe turns against the
     # gyroscope.
-    base = recording.base
-    if base is None or base.calibrated:
+    rests = [rest for link, flags in resting.items() if flags.any() for rest in _rests(base, still[link], flags, rate)]
+    if sum(len(rest.of_gyro) for rest in rests) < LEAST * rate:
         return None
-    parts = [_compare(leg, recording, base, link, flags, lean) for link, flags in resting.items() if flags.any()]
-    rests = [rest for part in parts for rest in _single(part, round(PIECE * recording.sample_rate))]
-    if sum(len(rest.of_gyro) for rest in rests) < LEAST * recording.sample_rate:
-        return None
-    of_gyro, of_force, _ = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
+    of_gyro, of_force, turns = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
     means = np.array([np.concatenate([rest.of_gyro.mean(axis=0), rest.of_force.mean(axis=0)]) for rest in rests])
     apart = float(np.sqrt(np.var(means[:, 3:], axis=0).sum()))
     if apart > ROCKS:
@@ -78,7 +92,7 @@ def imu_errors(
     std = np.repeat([x.std() / np.sqrt(len(x)) for x in left], 3)
     if len(means) >= FEW:  # rests differ by more than white noise
         std = np.maximum(std, means.std(axis=0, ddof=1) / np.sqrt(len(means)))
-    return ImuErrors(gyro, force, std)
+    return ImuErrors(gyro, force, std, turn=turns.mean(axis=0))
 
 
 def _within_scatter(differences: FloatArray) -> bool:
@@ -87,35 +101,28 @@ def _within_scatter(differences: FloatArray) -> bool:
     return bool(np.linalg.norm(differences.mean(axis=0)) < 0.1 * np.linalg.norm(differences.std(axis=0)))
 
 
-class _Flat(NamedTuple):
-    """Samples at which a foot is flat: what readings differ by, and their places in the recording."""
+class _Rest(NamedTuple):
+    """Samples at which a foot is flat in one go: what readings differ by, and turns of level axes to the base."""
 
     of_gyro: FloatArray
     of_force: FloatArray
-    places: NDArray[np.intp]
+    turns: FloatArray
 
 
-def _single(flat: _Flat, piece: int) -> list[_Flat]:
-    """Cut the samples of one foot into single rests, and long ones into pieces of so many samples."""
-    pieces = flat.places // piece
-    cuts = np.flatnonzero((np.diff(flat.places) > 1) | (np.diff(pieces) > 0)) + 1
-    each = zip(*(np.split(array, cuts) for array in flat), strict=True)
-    return [_Flat(*arrays) for arrays in each if len(arrays[0])]
-
-
-def _compare(
-    leg: Leg, recording: Recording, base: BaseMotion, link: str, flags: NDArray[np.bool_], lean: ArrayLike
-) -> _Flat:
-    """Compare readings with the motion that a foot says, where it is flat."""
-    still, rate = standing_reading(leg, recording, link, base.position, lean), recording.sample_rate
+def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate: float) -> list[_Rest]:
+    """Compare readings with those on a foot at rest, where it is flat, in pieces of long rests."""
+    assert still.pose is not None
     aside, flat = np.hsplit(base.columns - still.columns, 2), flags
     # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
     for difference, width in zip(aside, (TURNING, LEANING), strict=True):
         smooth = scipy.ndimage.uniform_filter1d(difference, max(1, round(ENDS * rate)), axis=0)
         middle = np.array([_densest(of_axis, width) for of_axis in smooth[flags].T])
         flat = flat & (np.linalg.norm(smooth - middle, axis=1) < width)
-    flat = scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate)))
-    return _Flat(aside[0][flat], aside[1][flat], np.flatnonzero(flat))
+    places = np.flatnonzero(scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate))))
+    cuts = np.flatnonzero((np.diff(places) > 1) | (np.diff(places // round(PIECE * rate)) > 0)) + 1
+    arrays = (*aside, np.swapaxes(still.pose.rotation, 1, 2))
+    pieces = zip(*(np.split(array[places], cuts) for array in arrays), strict=True)
+    return [_Rest(*piece) for piece in pieces if len(piece[0])]
 
 
 def _densest(values: FloatArray, width: float) -> float:

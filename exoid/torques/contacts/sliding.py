@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.leg.leg import Leg
-from exoid.signals import BaseMotion, Recording
+from exoid.signals import BaseMotion
 from exoid.signals.cutoff import robust_std
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import link_placements
 
 from .imu import ENDS
-from .standing_base import level_rotation, standing_reading
+from .standing_base import StandingBase
 
 SLIDING, TILTING = 0.03, 0.15
 """A link that is said to rest and moves faster than this [m/s, rad/s] slips, or its contact is wrong."""
@@ -76,21 +76,23 @@ def slipping(
     return np.asarray(scipy.ndimage.binary_dilation(slips, iterations=max(1, widened))) if slips.any() else slips
 
 
-def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[str, NDArray[np.bool_]]) -> Slip:
-    """Find slips that all feet make alike, by the measured motion of the base."""
+def sliding(
+    base: BaseMotion, still: Mapping[str, StandingBase], resting: Mapping[str, NDArray[np.bool_]], rate: float
+) -> Slip:
+    """Find slips that all feet make alike, by the measured motion of the base beside that on a foot at rest."""
     # The specific force f of an IMU, less that of a base on a foot that rests, is the acceleration of this foot. Its
     # integral is the velocity s of the foot, beside a drift by bias, tilt and noise that a running median takes out. A
     # slip is a generalised likelihood ratio test at each sample, s²/σ² > 6², with σ by the median size of s itself.
-    slides, visible = np.zeros(len(recording), dtype=np.bool_), 0.0
+    slides, visible = np.zeros(len(base), dtype=np.bool_), 0.0
     for link, flags in resting.items():
-        away = max(1, round(ENDS * recording.sample_rate))
-        inner = scipy.ndimage.binary_erosion(flags, iterations=away)
+        inner = scipy.ndimage.binary_erosion(flags, iterations=max(1, round(ENDS * rate)))
         changes = np.flatnonzero(np.diff(inner, prepend=False, append=False)).reshape(-1, 2).tolist()
-        runs = [slice(*ends) for ends in changes if ends[1] - ends[0] > BASELINE * recording.sample_rate]
-        if not runs:
+        runs = [slice(*ends) for ends in changes if ends[1] - ends[0] > BASELINE * rate]
+        pose, aside = still[link].pose, base.specific_force - still[link].specific_force
+        if not runs or pose is None:
             continue
-        aside = _foot_acceleration(leg, recording, base, link)
-        speeds = [_velocity(aside[run], recording.sample_rate) for run in runs]
+        along = np.einsum("nij,nj->ni", pose.rotation[:, :2], aside)  # the ground, in level axes
+        speeds = [_velocity(along[run], rate) for run in runs]
         std = np.maximum(robust_std(np.vstack(speeds)), SLOWEST)
         for run, speed in zip(runs, speeds, strict=True):
             over = (np.abs(speed) / std).max(axis=1)
@@ -98,15 +100,6 @@ def sliding(leg: Leg, recording: Recording, base: BaseMotion, resting: Mapping[s
             slides[run] |= np.isin(pieces, np.unique(pieces[over > SEEN]))
         visible = max(visible, SEEN * float(std.max()))
     return Slip(slides, visible)
-
-
-def _foot_acceleration(leg: Leg, recording: Recording, base: BaseMotion, link: str) -> FloatArray:
-    """Horizontal acceleration of a link in level axes, by what the base measures beside one at rest, (N, 2)."""
-    still = standing_reading(leg, recording, link, base.position)
-    rotation = link_placements(leg, recording.q, link).rotation
-    turn = level_rotation(leg, link) @ np.swapaxes(rotation, 1, 2)
-    aside = base.specific_force - still.specific_force
-    return np.asarray(np.einsum("nij,nj->ni", turn[:, :2], aside))
 
 
 def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:

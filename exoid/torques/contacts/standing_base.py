@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -65,12 +65,10 @@ def tilt_of_sole(leg: Leg, recording: Recording, link: str) -> FloatArray:
     return np.outer(np.nan_to_num(recording.tau[:, body]), level @ joint_axis(leg.model.joints[body + 1])[3:])
 
 
-def standing_reading(
-    leg: Leg, recording: Recording, link: str, position: FloatArray, lean: ArrayLike = (0.0, 0.0, 0.0)
-) -> BaseMotion:
-    """Derive what an inertial measurement unit measures while a link rests flat on ground that leans little."""
-    true = standing_base(leg, recording, link, lean=lean)
+def standing_reading(leg: Leg, recording: Recording, link: str, position: FloatArray) -> StandingBase:
+    """Derive what an inertial measurement unit measures while a link rests flat on level ground."""
+    true = standing_base(leg, recording, link)
     omega = true.angular_velocity
     alpha = np.gradient(omega, recording.time, axis=0)
     force = true.specific_force + np.cross(alpha, position) + np.cross(omega, np.cross(omega, position))
-    return BaseMotion(omega, force, position)
+    return replace(true, specific_force=force, position=position)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
@@ -20,10 +20,10 @@ from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settl
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
-from .imu import ImuErrors, imu_errors
+from .imu import CorrectedBase, ImuErrors, imu_errors
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
-from .standing_base import level_rotation, standing_base
+from .standing_base import level_rotation, standing_base, standing_reading
 
 EDGE = 0.1
 """Feet say how a base moves that was not measured, where this far from a touch-down or lift-off [s].
@@ -89,7 +89,8 @@ def split(
     recording: Recording,
     preparation: Preparation | None = None,
     session: ImuErrors | None = None,
-    lean: ArrayLike | None = (0.0, 0.0, 0.0),
+    *,
+    tell: bool = True,
 ) -> Split:
     """Split a recording by the links that rest on the ground with an unknown wrench.
 
@@ -99,8 +100,7 @@ def split(
         preparation: Preparation of the rows, whose filter of the angles smears jolts; None for the default one.
         session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
             another recording of the session.
-        lean: Lean of the ground on which feet rest that tell these errors, a rotation vector [rad]; None for feet that
-            tell nothing, as they rock.
+        tell: Whether feet that rest tell these errors; not where they rock.
 
     Returns:
         One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
@@ -131,7 +131,7 @@ def split(
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    recording, imu, slip = _without_bias(leg, recording, soles, session, lean)
+    recording, imu, slip = _without_bias(leg, recording, soles, session, tell=tell)
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
@@ -144,7 +144,7 @@ def split(
             usable[inside] = rows.fit & (rows.loop is None or rows.loop.shape[2] > 0)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
-            resting = [link for link, flags in rest.items() if flags[usable].all()]
+            standing = [link for link in soles if rest[link][usable].all()]
             # The plate under a foot in the air reads noise, which is left out of the rows; a load says that it is not.
             silent = {
                 link
@@ -152,7 +152,9 @@ def split(
                 if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
             }
             loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
-            base = _base(leg, recording, resting, lean)
+            base = recording.base
+            if base is None and leg.base_rows and standing:  # as a foot that rests flat on the ground says
+                base = standing_base(leg, recording, standing[0])
             if base is None and leg.base_rows and leg.description.root_link not in links:
                 floating |= usable
                 continue
@@ -179,22 +181,26 @@ def split(
 
 
 def _without_bias(
-    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, lean: ArrayLike | None
+    leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, *, tell: bool
 ) -> tuple[Recording, ImuErrors | None, Slip]:
     """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
-    recording, slip = raw, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0)
+    base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
+    if base is None or not leg.base_rows:
+        return raw, imu, slip
+    still, corrected = {link: standing_reading(leg, raw, link, base.position) for link in soles}, base
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
-        imu = imu_errors(leg, raw, rests, lean) if leg.base_rows and lean is not None else None
+        imu = imu_errors(base, still, rests, rate) if tell and not base.calibrated else None
         errors = session if imu is None or imu.rocks else imu
-        if errors is not None and raw.base is not None and not raw.base.calibrated:
-            told = bool(errors.gyro_bias.any() or errors.force_bias.any())  # of level ground: torques may say otherwise
-            recording = replace(raw, base=replace(errors.corrected(raw.base), calibrated=not told))
-        if recording.base is not None and leg.base_rows and recording.contacts:
-            slip = sliding(leg, recording, recording.base, soles)
+        if errors is not None and not base.calibrated:
+            corrected = errors.corrected(base)
+            if errors.gyro_bias.any() or errors.force_bias.any():  # on level ground: torques may say otherwise
+                columns = corrected.angular_velocity, corrected.specific_force, base.position, base.pose
+                corrected = CorrectedBase(*columns, told=errors, own=errors is imu, bias=errors.force_bias)
+        slip = sliding(corrected, still, soles, rate) if raw.contacts else slip
         if not slip.slides.any():
             break
-    return recording, imu, slip
+    return replace(raw, base=corrected), imu, slip
 
 
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
@@ -269,11 +275,3 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     around = np.concatenate([[time[0] - 2.0 * EDGE], time, [time[-1] + 2.0 * EDGE]])
     longer = np.concatenate([flags[:1], flags, flags[-1:]])
     return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
-
-
-def _base(leg: Leg, recording: Recording, resting: Sequence[str], lean: ArrayLike | None) -> BaseMotion | None:
-    """Motion of the base: as it was measured, or as a foot that rests flat on the ground says; None without both."""
-    if not leg.base_rows or recording.base is not None:
-        return recording.base
-    feet = [link for link in resting if link != leg.description.root_link and leg.contact_kind(link) == "flat"]
-    return standing_base(leg, recording, feet[0], lean=(0.0, 0.0, 0.0) if lean is None else lean) if feet else None

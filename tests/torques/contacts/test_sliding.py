@@ -11,6 +11,7 @@ from exoid import BaseMotion
 from exoid.signals.link_wrenches import link_placements
 from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.imu import imu_errors
+from exoid.torques.contacts.standing_base import standing_reading
 
 FEET = ("left_foot", "right_foot")
 GYRO, FORCE, ENCODER = 0.005, 0.05, 1e-4
@@ -75,7 +76,8 @@ def test_only_the_ends_of_a_rest_say_nothing_of_the_errors_of_the_imu(exo, still
         angular_velocity=still.base.angular_velocity + ends[:, np.newaxis] * (0.0, 1.0, 0.0),
         specific_force=still.base.specific_force + ends[:, np.newaxis] * (3.0, 0.0, 0.0),
     )
-    level, leaning = (imu_errors(exo, replace(still, base=base), rests) for base in (still.base, lean))
+    at_rest = {"left_foot": standing_reading(exo, still, "left_foot", still.base.position)}
+    level, leaning = (imu_errors(base, at_rest, rests, RATE) for base in (still.base, lean))
     assert abs(level.gyro_bias[1] - 0.01) < 3.0 * level.std[1]
     np.testing.assert_allclose(leaning.gyro_bias, level.gyro_bias, atol=2e-4)
     np.testing.assert_allclose(leaning.force_bias, level.force_bias, atol=2e-3)
