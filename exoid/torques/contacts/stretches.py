@@ -144,7 +144,6 @@ def split(
             usable[inside] = rows.fit & (rows.loop is None or rows.loop.shape[2] > 0)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
-            standing = [link for link in soles if rest[link][usable].all()]
             # The plate under a foot in the air reads noise, which is left out of the rows; a load says that it is not.
             silent = {
                 link
@@ -152,9 +151,7 @@ def split(
                 if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
             }
             loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
-            base = recording.base
-            if base is None and leg.base_rows and standing:  # as a foot that rests flat on the ground says
-                base = standing_base(leg, recording, standing[0])
+            base = _base(leg, recording, [link for link in soles if rest[link][usable].all()])
             if base is None and leg.base_rows and leg.description.root_link not in links:
                 floating |= usable
                 continue
@@ -275,3 +272,9 @@ def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
     around = np.concatenate([[time[0] - 2.0 * EDGE], time, [time[-1] + 2.0 * EDGE]])
     longer = np.concatenate([flags[:1], flags, flags[-1:]])
     return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
+
+
+def _base(leg: Leg, recording: Recording, flat: Sequence[str]) -> BaseMotion | None:
+    """Motion of the base: as it was measured, or as the first foot that rests flat says; None without both."""
+    unmeasured = recording.base is None and leg.base_rows and flat
+    return standing_base(leg, recording, flat[0]) if unmeasured else recording.base
