@@ -253,8 +253,9 @@ def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[
 def _told_findings(fitted: Fitted) -> Iterator[Finding]:
     """Say what feet told of the errors of sensors."""
     data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
-    bases = {source_of(one): one.base for one in data if isinstance(one.base, CorrectedBase)}
-    for name, base in bases.items():
+    bases = [(source_of(one), one.base) for one in data if isinstance(one.base, CorrectedBase)]
+    # stretches of a recording share what was told; names of recordings may be alike
+    for name, base in {(name, id(base.told), base.own): (name, base) for name, base in bases}.values():
         when = "while a foot rested" if base.own else "by another recording of the session"
         errors = base.told._replace(force_bias=base.bias)
         yield _imu_finding(errors, when, name, fitted.models[0].leg.parameter_names)
