@@ -122,7 +122,7 @@ def multisine(one: Machine, seeds: list[int], base: float = 0.3, share: float = 
 
 def gait(one: Machine, seeds: list[int], period: float = STRIDE) -> Harmonics:
     """A stride in a phase by seed."""
-    motion = gait_for_leg(one.plant.leg, stride(period)).tile(len(seeds))
+    motion = Harmonics.concatenate([gait_for_leg(one.plant.leg, stride(period))] * len(seeds))
     shift = np.array([np.random.default_rng([seed, 5]).uniform(0.0, period) for seed in seeds])
     return Harmonics(motion.centre, motion.amplitude, motion.frequency, motion.phase + motion.frequency * shift)
 

@@ -100,23 +100,6 @@ class Harmonics(Reference):
         centre = np.concatenate([motion.centre for motion in motions], axis=-1)
         return Harmonics(centre, *(np.concatenate(part, axis=-1) for part in parts))
 
-    def tile(self, count: int) -> Harmonics:
-        """Repeat the whole sequence of rigs.
-
-        Args:
-            count: Number of copies.
-
-        Returns:
-            Motion of ``count`` B rigs.
-        """
-        shape = self.amplitude.shape
-        return Harmonics(
-            np.tile(self.centre, count),
-            np.tile(self.amplitude, count),
-            np.tile(np.broadcast_to(self.frequency, shape), count),
-            np.tile(np.broadcast_to(self.phase, shape), count),
-        )
-
     def at(self, time: float) -> Target:
         """Evaluate the motion."""
         argument = self.frequency * time + self.phase

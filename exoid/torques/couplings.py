@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .motion import JointMotion, LoadedMotion
 from .term import Term
@@ -132,11 +133,7 @@ class CouplingFriction(CoordinateTerm):
         """Check the settings."""
         super().__post_init__()
         for field in ("smoothing", "reversal_speed"):
-            value = getattr(self, field)
-            if not isinstance(value, (int, float)) or not 0.0 <= value < math.inf:
-                raise BadArgumentError(
-                    f"CouplingFriction({field}={value!r})", remedy="a velocity in rad/s, zero or positive"
-                )
+            checked(getattr(self, field), f"{field} of CouplingFriction [rad/s]", least=0.0, ndim=0)
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
         """Select the samples at which the coordinate turns round."""

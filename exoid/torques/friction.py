@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .motion import JointMotion
 from .terms import DryFriction
@@ -28,8 +28,7 @@ class Stribeck(DryFriction):
     def __post_init__(self) -> None:
         """Check that all settings make sense."""
         super().__post_init__()
-        if not 0.0 < self.velocity < np.inf:
-            raise BadArgumentError(f"Stribeck(velocity={self.velocity})", remedy="a velocity in rad/s, positive")
+        checked(self.velocity, "velocity of Stribeck [rad/s]", above=0.0, ndim=0)
 
     symbols = ("cs",)
     units = ("N·m",)

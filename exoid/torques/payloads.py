@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -11,7 +10,6 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
-from exoid.leg.model import with_dynamic_parameters
 from exoid.leg.payload import Payload
 
 from .motion import BLOCK, Motion
@@ -19,28 +17,6 @@ from .motion import BLOCK, Motion
 
 def payload_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
     """Compute what payloads add to the parameters of a leg, which are linear in the inertias."""
-    return leg.reduction.parameters(_link_parameters(leg, payloads))
-
-
-def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> FloatArray:
-    """Compute the joint torques that payloads take, RNEA with them less RNEA without."""
-    # RNEA is linear in the inertias, so that this is W Δβ, with which it is computed for a planar leg.
-    links = _link_parameters(leg, payloads)
-    if not leg.limbs:
-        loaded = replace(leg, model=with_dynamic_parameters(leg.model, leg.link_parameters + links))
-        samples = motion.q, motion.v, motion.a, motion.torso
-        return loaded.inverse_dynamics(*samples) - leg.inverse_dynamics(*samples)
-    added = leg.reduction.parameters(links)
-    out = np.empty((len(motion.q), len(leg.row_names)))
-    for start in range(0, len(out), BLOCK):
-        rows = slice(start, start + BLOCK)
-        part = motion.rows(rows)
-        out[rows] = leg.regressor(part.q, part.v, part.a, part.torso) @ added
-    return out
-
-
-def _link_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
-    """Compute what payloads add to the parameters π of the links, (10 k,)."""
     added = np.zeros((len(leg.bodies), 10))
     carried = [leg.bodies.index(link) for link in leg.link_names]
     named = (leg.link_labels, leg.link_names, leg.joint_labels, leg.joint_names)  # the last ones count first
@@ -56,4 +32,15 @@ def _link_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
         inertia = payload.mass * payload.gyration**2 * np.eye(3)
         body = pin.Inertia(payload.mass, np.array(payload.position), inertia)
         added[joints[payload.joint]] += body.toDynamicParameters()
-    return added.ravel()
+    return leg.reduction.parameters(added.ravel())
+
+
+def payload_torque(leg: Leg, payloads: Sequence[Payload], motion: Motion) -> FloatArray:
+    """Compute the joint torques that payloads take, W Δβ."""
+    added = payload_parameters(leg, payloads)
+    out = np.empty((len(motion.q), len(leg.row_names)))
+    for start in range(0, len(out), BLOCK):
+        rows = slice(start, start + BLOCK)
+        part = motion.rows(rows)
+        out[rows] = leg.regressor(part.q, part.v, part.a, part.torso) @ added
+    return out

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 from .motion import JointMotion
 from .presliding import Presliding
@@ -57,15 +58,8 @@ class DryFriction(Term):
 
     def __post_init__(self) -> None:
         """Check the settings."""
-        for name, unit in (
-            ("smoothing", "a velocity in rad/s, zero or positive"),
-            ("dead_band", "a velocity in rad/s, zero or positive"),
-            ("reversal_speed", "a velocity in rad/s, zero or positive"),
-            ("presliding", "an angle in rad, zero or positive"),
-        ):
-            value = getattr(self, name)
-            if not 0.0 <= value < np.inf:
-                raise BadArgumentError(f"{type(self).__name__}({name}={value})", remedy=unit)
+        for name in ("smoothing", "presliding", "dead_band", "reversal_speed"):
+            checked(getattr(self, name), f"{name} of {type(self).__name__}", least=0.0, ndim=0)
 
     friction = True
 

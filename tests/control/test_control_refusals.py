@@ -29,11 +29,12 @@ from exoid.control import (
 from exoid.control.closed_loop import plant_step
 from exoid.control.sensitivity_amplification import MotionFilter
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
-from exoid.experiments import healthy_gait
+from exoid.experiments import Harmonics, healthy_gait
 from exoid.rig import Target
 from exoid.signals import Recording
 
 GAIT, PLANT = healthy_gait(period=2.0), cuhk_plant()
+TWO_GAITS = Harmonics.concatenate([GAIT, GAIT])
 REST, AIM = State(np.zeros(2), np.zeros(2)), Target(np.zeros(2), np.zeros(2))
 NAN, INF = np.nan, np.inf
 
@@ -102,7 +103,7 @@ REFUSED = {
         (lambda x: lqr(**{"source": LEG, "pose": (0.1, 0.2), **x}), bad)
         for bad in ({"pose": (0.1, NAN)}, {"pose": (0.1, 0.2, 0.3)}, {"angle_deg": 0.0}, {"torque": INF}, {"rate": NAN})
     ],
-    "mean pose": [(lambda x: mean_pose(*x), bad) for bad in ((GAIT, 0.0), (GAIT, NAN), (GAIT.tile(2), 10.0))],
+    "mean pose": [(lambda x: mean_pose(*x), bad) for bad in ((GAIT, 0.0), (GAIT, NAN), (TWO_GAITS, 10.0))],
     "self-tuning": [
         (lambda x: self_tuning(**{"source": exact_estimate(), "kp": 20.0, "kd": 2.0, **x}), bad)
         for bad in ({"kp": -1.0}, {"rate": 0.0}, {"payload": -1.0}, {"friction": NAN}, {"payload": INF})

@@ -9,7 +9,6 @@ from scipy.interpolate import CubicSpline
 
 import exoid
 from exoid.experiments.ground import (
-    Gait,
     bleex_machine,
     single_support,
     squats_and_shifts,
@@ -155,7 +154,7 @@ def test_torques_of_the_plan_let_the_machine_follow_closely():
 @pytest.mark.nightly
 @pytest.mark.parametrize("period", [1.2, 2.0])
 def test_machines_walk_at_other_paces(period):
-    run = walking(EXO, 3.0, gait=Gait(period))
+    run = walking(EXO, 3.0, period=period)
     assert np.abs(residual(run)).max() < 1e-6
     assert sum(foot.force[:, 2].mean() for foot in run.feet.values()) > 0.6 * WEIGHT
 

@@ -113,7 +113,7 @@ def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
 
 
 def test_concatenated_motions_are_unchanged():
-    both = Harmonics.concatenate([healthy_gait().tile(2), cuhk.swing(1)])
+    both = Harmonics.concatenate([healthy_gait(), healthy_gait(), cuhk.swing(1)])
     np.testing.assert_allclose(
         both.at(1.3).q, np.hstack([np.tile(healthy_gait().at(1.3).q, 2), cuhk.swing(1).at(1.3).q])
     )

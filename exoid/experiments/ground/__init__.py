@@ -2,10 +2,9 @@
 
 from .machines import bleex_machine, cuhk_machine
 from .stance import Stance, single_support, squats_and_shifts, stance_motion, swing
-from .walking import Gait, walking
+from .walking import walking
 
 __all__ = [
-    "Gait",
     "Stance",
     "bleex_machine",
     "cuhk_machine",

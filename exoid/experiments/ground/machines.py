@@ -14,12 +14,11 @@ RESISTANCES = {"c0": (2.0, 1.5, 0.5), "d": (0.3, 0.2, 0.1), "Ia": (0.1, 0.1, 0.0
 LEGS = {"both": ("left", "right"), "left": ("left",), "right": ("right",)}
 
 
-def bleex_machine(legs: str = "both", inertias: str | None = None, *, ground_friction: float = 0.8) -> GroundPlant:
+def bleex_machine(legs: str = "both", *, ground_friction: float = 0.8) -> GroundPlant:
     """Make BLEEX on the ground.
 
     Args:
         legs: "both", or "left" or "right" for one leg; the other one then hangs on the torso without moving.
-        inertias: Inertia set, see :func:`exoid.load_leg`.
         ground_friction: Coefficient of friction of the ground. At 0.022 a foot of
             :func:`exoid.experiments.ground.squats_and_shifts` slips for about 5 % of the time.
 
@@ -27,11 +26,11 @@ def bleex_machine(legs: str = "both", inertias: str | None = None, *, ground_fri
         The machine, with the friction and rotors :data:`RESISTANCES` and the soles of the URDF's drawing.
 
     Raises:
-        ExoidError: There are no such legs, or no such inertia set.
+        ExoidError: There are no such legs.
     """
     if legs not in LEGS:
         raise BadArgumentError(f"legs {legs!r}", remedy=f"use one of {', '.join(LEGS)}")
-    machine = load_exo("bleex", inertias, base="floating")
+    machine = load_exo("bleex", base="floating")
     sides = LEGS[legs]
     if len(sides) == 1:
         joints = [joint for joint in machine.joint_names if joint.startswith(sides[0])]
@@ -45,11 +44,8 @@ def bleex_machine(legs: str = "both", inertias: str | None = None, *, ground_fri
     return GroundPlant.build(machine, soles, values, ground_friction=ground_friction)
 
 
-def cuhk_machine(*, ground_friction: float = 0.8) -> GroundPlant:
+def cuhk_machine() -> GroundPlant:
     """Make CUHK-EXO on the ground, on point feet at the ends of its shanks.
-
-    Args:
-        ground_friction: Coefficient of friction of the ground.
 
     Returns:
         The machine, with the friction of document 2's table and the rotors of its drives (docs/legs.md).
@@ -61,4 +57,4 @@ def cuhk_machine(*, ground_friction: float = 0.8) -> GroundPlant:
         for symbol, each in resistances.items()
         for k, label in enumerate(machine.joint_labels)
     }
-    return GroundPlant.build(machine, CUHK_SOLES, values, ground_friction=ground_friction)
+    return GroundPlant.build(machine, CUHK_SOLES, values)

@@ -147,7 +147,7 @@ def follow(
         sample, joint = np.unravel_index(int(np.argmax(error > LARGEST_ERROR)), error.shape)
         raise BadArgumentError(
             f"{plant.leg.joint_names[joint]} is {LARGEST_ERROR:g} rad off its reference at {run.time[sample]:.3g} s",
-            remedy="take smaller or slower motions; in walking, another norm, period or scale",
+            remedy="take smaller or slower motions; in walking, another period",
         )
     return run
 

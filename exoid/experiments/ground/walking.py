@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -39,60 +39,46 @@ TILT_DEG = (
 """Phases of the stride and angles of the sole to the ground [deg], an assumption: heel strike, flat, toe-off, swing."""
 
 
-@dataclass(frozen=True)
-class Gait:
-    """Gait of a machine: the stride of :func:`exoid.experiments.healthy_gait`.
-
-    Attributes:
-        period: Time of a stride [s].
-        scale: Factor of the amplitudes about the mean.
-        lean: Pitch of the torso [rad]; negative leans forward.
-        support: Share of the weight that the harness bears.
-    """
-
-    period: float = 1.4
-    scale: float = 0.9
-    lean: float = 0.0
-    support: float = 0.2
+SCALE, SUPPORT = 0.9, 0.2
+"""Factor of the amplitudes of the stride about its mean, and share of the weight that the harness bears."""
 
 
 def walking(
     plant: GroundPlant,
     duration: float = 30.0,
     *,
-    gait: Gait | None = None,
+    period: float = 1.4,
 ) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
 
     Height and speed of the carriage are those at which the lowest point of the soles would stand still. A foot that
-    swings is lifted by up to 1.5 cm more than in the norm.
+    swings is lifted by up to 1.5 cm more than in the stride.
 
     Args:
         plant: Torso and two legs.
         duration: Duration of the log [s].
-        gait: The gait; None for the default one.
+        period: Time of a stride of :func:`exoid.experiments.healthy_gait` [s].
 
     Returns:
         The run, with the wrench of the harness on the torso.
 
     Raises:
-        ExoidError: MuJoCo is not installed, there is no such norm or its file is missing, a leg does not have hip,
-            knee, ankle and a sole, or the motion cannot be followed.
+        ExoidError: MuJoCo is not installed, a leg does not have hip, knee, ankle and a sole, or the motion cannot be
+            followed.
     """
-    gait, time, legs = gait or Gait(), knots(duration), planar_legs(plant)
-    q = _walking_angles(plant.leg, legs, time, _stride(gait.scale, gait.period), gait.period)
+    time, legs = knots(duration), planar_legs(plant)
+    q = _walking_angles(plant.leg, legs, time, _stride(period), period)
     base = np.zeros((len(time), 3))
-    base[:, 2] = gait.lean
     places = {leg.foot: leg.points(base, q) for leg in legs}
-    window = 0.03 * gait.period * KNOTS  # smooths speed and height of the torso
+    window = 0.03 * period * KNOTS  # smooths speed and height of the torso
     bearing = _bearings(plant, places, window)
     low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
     base[:, 0] = _travel(places, bearing, window)
     base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
     for leg in legs:
         q[:, leg.joints] = _cleared(leg, base, places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2]))
-    motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - gait.support)
-    raised = base + np.array([0.0, gait.support * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
+    motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - SUPPORT)
+    raised = base + np.array([0.0, SUPPORT * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
     motion = replace(motion, base=raised)  # the carriage is above the torso that hangs on it
     return follow(plant, motion, GAINS, spring=HARNESS)
 
@@ -126,13 +112,13 @@ def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window
     return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)
 
 
-def _stride(scale: float, period: float) -> Harmonics:
+def _stride(period: float) -> Harmonics:
     """Make the flexion of hip, knee and ankle of healthy gait."""
-    published, phase = healthy_gait(scale, period), np.linspace(0.0, 1.0, 400, endpoint=False)
+    published, phase = healthy_gait(SCALE, period), np.linspace(0.0, 1.0, 400, endpoint=False)
     hip, knee = np.array([published.at(p * period).q[:, 0] for p in phase]).T
     knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
     tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG)(phase)
-    ankle = np.deg2rad(scale * tilt) - hip + knee
+    ankle = np.deg2rad(SCALE * tilt) - hip + knee
     return fit_harmonics(period * phase, np.column_stack([hip, knee, ankle]), period, 8)
 
 

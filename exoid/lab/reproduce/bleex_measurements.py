@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid.errors import BadArgumentError
-from exoid.experiments import Bench, StaticProtocol, bleex, run_static
+from exoid.experiments import Bench, Harmonics, StaticProtocol, bleex, run_static
 from exoid.experiments.bench import run_motion
 from exoid.leg.catalog import load_leg
 from exoid.leg.published import bleex_parameters, bleex_resistances
@@ -96,7 +96,7 @@ def measure_bleex(
     rigs = bleex.VALIDATION + 1
     run = run_motion(
         plant.repeat(rigs),
-        bleex.dynamic_motions().tile(replicates),
+        Harmonics.concatenate([bleex.dynamic_motions()] * replicates),
         BENCH,
         extent.duration,
         rng,

@@ -217,7 +217,7 @@ def _record(
     bench = Bench(ProportionalDerivative(stiffness[None], damping[None]), MOTOR, SENSORS, RATES)
     run = run_motion(
         Plant.concatenate([plant] * len(motions)),
-        Harmonics.concatenate([motion.tile(count) for _, motion in motions.values()]),
+        Harmonics.concatenate([motion for _, motion in motions.values() for _ in range(count)]),
         bench,
         duration,
         rng,
