@@ -115,7 +115,7 @@ class ControlModel:
                     spring[degree - term.degree :, joint] += found
                 elif kind is Offset:
                     spring[-1, joint] += found[0]
-                elif kind in plain and len(term.symbols) == 1:
+                elif kind in plain:
                     rest[plain.index(kind), joint] += found[0]
                 else:
                     others.append(OtherTerm.of(term, joints, found, n))

@@ -243,9 +243,8 @@ class EstimateData(ParameterTable):
     @property
     def band_model(self) -> TorqueModel | WithColumns:
         """Torque model with the columns that the band of a measured torque needs."""
-        model = self.model.loaded_by(self.values)
         error = self.model_error
-        return model if error is None else with_alternatives(model, self.values, error.speed)
+        return self.model if error is None else with_alternatives(self.model, self.values, error.speed)
 
     def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
         """Variance of a measured torque about the predicted one: parameters, noise and model error.
@@ -300,7 +299,7 @@ class EstimateData(ParameterTable):
         Returns:
             Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
-        model = self.band_model if measured else self.model.loaded_by(self.values)
+        model = self.band_model if measured else self.model
         spread = self.measured_variance if measured else partial(parameter_variance, self.covariance)
         motion = model.motion(q, v, a, torso)
         variance = np.empty((len(motion.q), len(model.row_names)))

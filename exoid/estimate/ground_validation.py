@@ -144,7 +144,7 @@ def _support(estimate: EstimateData, stretch: Stretch) -> SupportModel:
     """Torque model while the same links rest."""
     model, links, recording = estimate.model, stretch.links, stretch.recording
     axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
-    return SupportModel.of(model.loaded_by(estimate.values), links, axes)
+    return SupportModel.of(model, links, axes)
 
 
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:

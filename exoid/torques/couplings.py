@@ -20,7 +20,7 @@ from exoid.tools.numbers import checked
 
 from .motion import JointMotion, LoadedMotion
 from .term import Term
-from .terms import reversals
+from .terms import Armature, reversals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,16 +150,8 @@ class CouplingFriction(CoordinateTerm):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CouplingInertia(CoordinateTerm):
+class CouplingInertia(CoordinateTerm, Armature):
     """Rotor of a drive that several joints turn, f = Ia s̈, such as a knee motor on the torso behind a belt.
 
     It adds Ia AᵀA to the mass matrix. It is zero where torque is measured behind the gear.
     """
-
-    symbols = ("Ia",)
-    units = ("kg·m²",)
-    nonnegative = ("Ia",)
-
-    def fill(self, motion: JointMotion, out: FloatArray) -> None:
-        """Write the column s̈."""
-        out[0] = motion.a
