@@ -38,10 +38,12 @@ def cuhk(tmp_path_factory):
 
 
 @pytest.fixture(
-    scope="session", params=[0.8, pytest.param(0.0, marks=pytest.mark.nightly)], ids=lambda rotor: f"rotor {rotor}"
+    scope="session",
+    params=[pytest.param(rotor, marks=pytest.mark.nightly) for rotor in (0.8, 0.0)],
+    ids=lambda rotor: f"rotor {rotor}",
 )
 def tracking(request):
-    """Document 2's comparison of controllers with every law, with rotors and without."""
+    """Document 2's comparison of controllers with every law, with rotors and without; notebook 5 asserts it, too."""
     replay = reproduce.reproduce_cuhk_tracking(0, request.param)
     report = cuhk_tracking_report(replay)
     return {"json": report.data, "text": str(report), "estimate": replay.estimate}

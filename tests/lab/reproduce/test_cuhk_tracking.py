@@ -1,7 +1,7 @@
 """Document 2's comparison of controllers: what it reports, what explains it, and what beats it.
 
-The leg is identified from noisy data of the rig; laws know the estimate, never the truth. One seed is tested always, a
-few more as a slow study, ten with ``EXOID_FULL_STUDIES=1``.
+The leg is identified from noisy data of the rig; laws know the estimate, never the truth. Two seeds are tested at
+night, ten with ``EXOID_FULL_STUDIES=1``.
 """
 
 import json
