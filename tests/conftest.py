@@ -51,7 +51,6 @@ def pytest_runtest_setup(item):
 
 LONGEST = (
     "test_identification_on_ground",
-    "test_bleex_replay",
     "test_cuhk_replay",
     "test_docs_pages",
     "test_packaging",

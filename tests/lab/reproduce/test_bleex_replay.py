@@ -1,4 +1,7 @@
-"""Document 1 replayed: its procedure shows its defects, one joint estimate does not have them."""
+"""Document 1 replayed: its procedure shows its defects, one joint estimate does not have them.
+
+By day notebook 2 runs and asserts the same replay, and ``test_command.py`` a short one.
+"""
 
 import numpy as np
 import pytest
@@ -6,7 +9,7 @@ from PIL import Image
 
 from exoid.lab.reproduce.bleex import identify_bleex
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 STIFFNESS = [f"b{power}_{joint}" for joint in ("hip", "knee", "ankle") for power in (2, 1, 0)]
 FRICTION = [f"c0_{joint}" for joint in ("hip", "knee", "ankle")]
@@ -102,7 +105,6 @@ def test_the_page_has_every_figure_and_number(bleex, check_page):
     check_page(bleex, "document 1 replayed", 5)
 
 
-@pytest.mark.nightly
 def test_the_joint_estimate_alone_is_that_of_the_replay(bleex):
     """``exoid wear`` identifies the left leg without the rest of the replay."""
     alone = identify_bleex()
