@@ -29,9 +29,12 @@ LEANING = 0.15
 """A foot that leans beside most of its rest by more than this part of gravity [m/s²] has tipped onto heel or toe."""
 
 ROCKS = 0.05
-"""Feet of which rests tell biases that differ by more than this [m/s², standard deviation] rock, by 5 mrad.
+"""Feet that lean otherwise by more than this part of gravity [m/s², standard deviation], 5 mrad, rock."""
 
-Of seeds below 20 of `study_stance.py --walkers`, feet that rock differ by 0.054 to 0.12, others by at most 0.037.
+APART = 0.03
+"""Rests of a foot that tell biases which differ by more than this [m/s²] tell none.
+
+Of seeds below 20 of `study_stance.py --walkers`, feet that rock differ by 0.040 to 0.069, others by at most 0.021.
 """
 
 PIECE = 1.5
@@ -84,14 +87,16 @@ def imu_errors(
         return None
     of_gyro, of_force, turns = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
     means = np.array([np.concatenate([rest.of_gyro.mean(axis=0), rest.of_force.mean(axis=0)]) for rest in rests])
-    apart = float(np.sqrt(np.var(means[:, 3:], axis=0).sum()))
-    if apart > ROCKS:
+    shares = np.array([len(rest.of_gyro) for rest in rests]) / len(of_gyro)  # pieces of some samples say little
+    spread = shares @ (means - shares @ means) ** 2
+    apart = float(np.sqrt(spread[3:].sum()))
+    if apart > APART:
         return ImuErrors(np.zeros(3), np.zeros(3), np.full(6, np.inf), rocks=apart / GRAVITY)
     gyro, force = (np.zeros(3) if _within_scatter(x) else x.mean(axis=0) for x in (of_gyro, of_force))
     left = (x - (x.mean(axis=0) if _within_scatter(x) else 0.0) for x in (of_gyro, of_force))
     std = np.repeat([x.std() / np.sqrt(len(x)) for x in left], 3)
     if len(means) >= FEW:  # rests differ by more than white noise
-        std = np.maximum(std, means.std(axis=0, ddof=1) / np.sqrt(len(means)))
+        std = np.maximum(std, np.sqrt(spread / (1.0 / (shares @ shares) - 1.0)))
     return ImuErrors(gyro, force, std, turn=turns.mean(axis=0))
 
 

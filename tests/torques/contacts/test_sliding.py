@@ -83,6 +83,18 @@ def test_only_the_ends_of_a_rest_say_nothing_of_the_errors_of_the_imu(exo, still
     np.testing.assert_allclose(leaning.force_bias, level.force_bias, atol=2e-3)
 
 
+def test_short_rests_do_not_make_a_foot_rock(exo, still):
+    """Three rests of 0.3 s beside one of 10 s: a soft sole that still swings leans by 12 mrad in them."""
+    short = (still.time > 10.5) & (np.mod(still.time, 0.5) < 0.3) & (still.time < 12.0)
+    rests = {"left_foot": short | (still.time < 10.0)}
+    force = still.base.specific_force + 0.12 * short[:, np.newaxis] * (1.0, 0.0, 0.0)
+    at_rest = {"left_foot": standing_reading(exo, still, "left_foot", still.base.position)}
+    found = imu_errors(replace(still.base, specific_force=force), at_rest, rests, RATE)
+    level = imu_errors(still.base, at_rest, rests, RATE)
+    assert not found.rocks
+    np.testing.assert_allclose(found.force_bias, level.force_bias, atol=0.01)
+
+
 def test_feet_that_rest_and_slips_below_the_noise_are_not_said_to_slip(exo, still):
     assert split(exo, still).left.moving < 0.001
     log, _ = slipping(exo, still, 0.002)
