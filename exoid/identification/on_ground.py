@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
-from numpy.typing import NDArray
 
+from exoid._typing import BoolArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding, Severity
@@ -272,12 +272,11 @@ def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str,
         remedy = "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))"
         return Finding("imu-unchecked", "", 2.0 * std, "m/s²", "warning", text, remedy, None, parameters, name)
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
-    large = size > 0.5
-    remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
+    large, interval = size > 0.5, (size - 2.0 * std, size + 2.0 * std)
     text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s, which was taken out"
-    interval = (size - 2.0 * std, size + 2.0 * std)
     if not large:
         return Finding("imu-bias", "", size, "m/s²", "info", text, "calibrate the sensor", interval, (), name)
+    remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
     text = f"{text}; no sensor is off by so much"
     return Finding("imu-bias", "", size, "m/s²", "warning", text, remedy, interval, parameters, name)
 
@@ -286,8 +285,8 @@ def without_outliers(fitted: Fitted) -> Problem:
     """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip."""
     problem, findings = fitted.problem, dict[str, list[Finding]]()
     wrong = [_wrong_samples(fitted, k) for k in range(len(problem.groups))]
-    total = sum(np.count_nonzero(mask) for group in problem.groups for _, mask in _masked(group))
-    lost = sum(np.count_nonzero(mask) for of_group in wrong for mask in of_group)
+    counts = [(np.count_nonzero(mask), np.count_nonzero(bad)) for of_group in wrong for _, mask, bad in of_group]
+    total, lost = np.sum(counts, axis=0)
     if not lost:
         return problem
     # Where more than this part of the samples is so far off, the model is wrong rather than the contacts
@@ -296,7 +295,7 @@ def without_outliers(fitted: Fitted) -> Problem:
     for group, of_group in zip(problem.groups, wrong, strict=True):
         told, kept = findings.setdefault(group.name, []), []
         told += group.findings
-        for (one, mask), bad in zip(_masked(group), of_group, strict=True):
+        for one, mask, bad in of_group:
             if bad.any():
                 share = float(np.count_nonzero(bad)) / np.count_nonzero(mask)
                 told.append(_outlier(group.links or "", share, one, kept=too_many))
@@ -364,13 +363,8 @@ def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -
     return Finding("base-from-feet", "", angle, "°", severity, text, remedy, (angle - half, angle + half))
 
 
-def _masked(group: Group) -> list[tuple[Recording, NDArray[np.bool_]]]:
-    """Recordings of a group with their masks."""
-    return [(one, one.mask) for one in group.data if isinstance(one, Recording) and one.mask is not None]
-
-
-def _wrong_samples(fitted: Fitted, index: int) -> list[NDArray[np.bool_]]:
-    """Samples of each recording of a group near residuals that no noise explains."""
+def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArray, BoolArray]]:
+    """Recordings of a group, their samples that count, and those near residuals that no noise explains."""
     problem, values, found = fitted.problem, fitted.values(index), []
     group = problem.groups[index]
     every_rows = [group.decimated(place) for place in range(len(group.data))]
@@ -379,11 +373,13 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[NDArray[np.bool_]]:
     # by the median of the sizes, which outliers do not move, but at least a small part of the torque of the row
     middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in every.T]
     scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
-    for (one, mask), (time, left) in zip(_masked(problem.groups[index]), residuals, strict=True):
-        far = np.zeros(len(mask), dtype=np.bool_)
+    for one, (time, left) in zip(group.data, residuals, strict=True):
+        assert isinstance(one, Recording)
+        assert one.mask is not None  # see `split`
+        far = np.zeros(len(one), dtype=np.bool_)
         far[np.searchsorted(one.time, time[(np.abs(left) > FAR * scale).any(axis=1)])] = True
         near = scipy.ndimage.binary_dilation(far, iterations=round(EDGE * one.sample_rate))
-        found.append(mask & near)
+        found.append((one, one.mask, one.mask & near))
     return found
 
 
