@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from controlled_legs import LEG, estimate_of, exact_estimate
+from controlled_legs import LEG, exact_estimate
 from walking import Walk
 
 import exoid
-from exoid import Coulomb
-from exoid.torques import TorqueModel
 
 RAIL = [f"wrench_rail_{part}" for part in ("fx", "fy", "fz", "mx", "my", "mz")]
 SHORT = "--duration 8 --highest 0.6 --starts 1 --noise 0.3"
@@ -166,11 +164,10 @@ ALL = [
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Estimates of both legs and of one that is driven by its friction, and logs."""
+    """Estimates of both legs, and logs."""
     path, data = tmp_path_factory.mktemp("files"), exoid.datasets.bleex_swing()
     exoid.identify(data.leg, data.train, check=False).save(path / "est.json")
     exact_estimate().save(path / "cuhk.json")
-    estimate_of(TorqueModel(LEG, (Coulomb(),)), {"c0_hip": -0.2}).save(path / "driven.json")
     (path / "leg.urdf").write_text(data.leg.description.text, encoding="utf-8")
     (path / "one.urdf").write_text(data.leg.description.text.replace("revolute", "fixed"), encoding="utf-8")
     spans = [(4.0 + k, 4.6 + k) for k in range(10)]

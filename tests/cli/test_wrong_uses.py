@@ -194,7 +194,6 @@ def folder(tmp_path_factory):
     for name, lines in tables.items():
         (path / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
     (path / "paper.pdf").write_bytes(b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj\n<<>>\nendobj\n" * 20)
-    (path / "photo.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 10)
     for name in ("book.xlsx", "table.csv"):
         (path / name).write_bytes(OFFICE)
     (path / "logs").mkdir()

@@ -153,7 +153,7 @@ def beside(estimate):
 
 
 @pytest.mark.nightly
-def test_feet_that_rest_behind_their_points_are_named(walked):
+def test_feet_that_rest_behind_their_points_are_named():
     model = quadruped().model.copy()
     for foot in FEET:
         frame = model.frames[model.getFrameId(foot)]
