@@ -116,7 +116,7 @@ def test_a_urdf_and_a_log_of_some_of_its_joints(exoid_, data, tmp_path):
     assert json.loads(run.out)["leg"]["joints"] == ["left_hip", "left_ankle"]
 
 
-def test_links_that_do_not_move_need_no_inertia(exoid_, data, tmp_path):
+def test_links_that_do_not_move_need_no_inertia(exoid_, tmp_path):
     """Joints that are not in the log do not matter, not even where their link has no mass."""
     text = (exoid.catalog.urdf_folder() / "bleex.urdf").read_text(encoding="utf-8")
     tail = '<link name="tail"/><joint name="wag" type="continuous"><parent link="torso"/><child link="tail"/>'

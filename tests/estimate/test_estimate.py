@@ -158,7 +158,7 @@ def test_a_file_without_its_evidence_is_refused(estimate, tmp_path, key):
         Estimate.load(path)
 
 
-def test_a_file_needs_no_urdf(swing, recording, tmp_path):
+def test_a_file_needs_no_urdf(recording, tmp_path):
     """The URDF is inside: the original may be gone, and locked joints stay locked."""
     urdf = tmp_path / "mine.urdf"
     urdf.write_bytes((exoid.catalog.urdf_folder() / "bleex_identified.urdf").read_bytes())

@@ -154,7 +154,7 @@ def test_known_parameters_absorb_nothing(leg):
     assert not held.model_error.parameters[place].any()
 
 
-def test_one_state_alone_has_a_band(leg, estimates):
+def test_one_state_alone_has_a_band(estimates):
     """The direction of motion is that of the velocity where there is no motion before."""
     band = estimates["presliding"].torque_band([[0.1, 0.2]], [[0.5, 0.5]], [[0.0, 0.0]])
     assert (band.upper - band.torque < 10.0 * estimates["presliding"].residual_rms).all()

@@ -46,7 +46,7 @@ def test_averaging_both_sides_removes_static_friction(measured):
     assert np.abs(both.averaged.tau - gravity).mean() < 0.3 * one_sided.mean()
 
 
-def test_every_rig_has_poses_of_its_own(plant):
+def test_every_rig_has_poses_of_its_own():
     poses = cuhk.random_poses(np.random.default_rng(0), 3)
     tilted = Plant.build(LEG, pitch=[0.0, 0.3])
     first, second = run_static(tilted, poses, BENCH, np.random.default_rng(1), PROTOCOL)

@@ -331,7 +331,7 @@ def test_a_urdf_in_millimetres_is_refused():
         scene(Leg.from_description(describe(text), ("left_hip", "left_knee")))
 
 
-def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, tmp_path, data):
+def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, data):
     monkeypatch.setattr("exoid.view.scenes.page.find_spec", lambda name: None)
     viewer_file.cache_clear()
     with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):

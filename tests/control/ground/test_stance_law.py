@@ -191,7 +191,7 @@ def test_known_forces_are_taken_into_account(machine):
     assert np.allclose(law.command(state._replace(interaction=wearer), target).torque, alone.torque - wearer, atol=1e-6)
 
 
-def test_a_machine_without_ankles_stands_on_points(machine):
+def test_a_machine_without_ankles_stands_on_points():
     """CUHK-EXO holds no moment at its passive ankles."""
     law = stance(exoid.load_exo("cuhk", base="floating"))
     q, contacts = np.array([0.35, 0.4, -0.1, 0.3]), {"left_shank": "flat", "right_shank": "flat"}

@@ -226,7 +226,7 @@ def test_draws_have_the_covariance_and_only_possible_legs():
         draw_truths(est.model, est.values, np.diag(np.where(np.arange(10) == 5, np.inf, 1.0)), 10, 0)
 
 
-def test_the_scan_finds_the_first_of_several_boundaries(wearer):
+def test_the_scan_finds_the_first_of_several_boundaries():
     """A controller that is unstable only between two amplifications."""
 
     def law(amplification):

@@ -117,7 +117,7 @@ def test_the_estimate_is_better_than_the_published_models(data, estimate, model)
 
 
 @pytest.mark.real_data("dfki_double_pendulum")
-def test_the_estimate_is_a_leg_that_could_exist(data, estimate):
+def test_the_estimate_is_a_leg_that_could_exist(estimate):
     """Masses, inertias and dry friction are positive, and near what the authors found by other means."""
     for name in ("X1", "J1", "X2", "J2", "Ia_elbow", "c0_shoulder", "c0_elbow"):
         low, _ = estimate.interval()[estimate.names.index(name)]

@@ -245,7 +245,7 @@ def test_identify_says_what_is_wrong_with_channels(exo, stance):
     assert "stuck-channel" not in {finding.kind for finding in silent.findings}
 
 
-def test_bands_of_the_torque_are_refused_by_name(exo, estimate, stance):
+def test_bands_of_the_torque_are_refused_by_name(estimate, stance):
     q, v, a = (part[:5] for part in stance[0].exact)
     base = stance[0].base.rows(slice(5))
     assert estimate.torque(q, v, a, base).shape == (5, 9)
