@@ -332,7 +332,7 @@ def judged(
     seed: int,
     event: Event,
 ) -> FloatArray:
-    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], a safe stop."""
+    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], rest, safe stop."""
     try:
         run = simulate_on_ground(
             plant,
@@ -346,13 +346,17 @@ def judged(
             seed=seed,
         )
     except ExoidError:
-        return np.array([0.0, *[np.nan] * len(COORDINATED), 0.0])
+        return np.array([0.0, *[np.nan] * len(COORDINATED), 0.0, 0.0])
     shown = loop.decisions[-len(run.time) :]
     last, names = shown[-1], {contact_name(plant.leg, link): foot for link, foot in run.feet.items()}
     end = "sit" if function.name == "sit" else "stand"
     far = np.abs(legs_flexion(plant.leg, run.q[-1:])[0] - function.flexion[-1]).max()
     safe = any(d.function == SAFE for d in loop.decisions)
-    ended = last.function == end and last.level == "support" and far < 0.1 and not safe
+    posture = loop.coordinator.functions.get("sit" if last.function == "sit" else "stand", function).flexion[-1]
+    away = np.abs(legs_flexion(plant.leg, run.q[-1:])[0] - posture).max()
+    levels = {d.level for d in shown[-round(0.2 * RATES.log) :]}
+    rests = last.function in ("stand", "sit") and "support" in levels and "damping" not in levels and away < 0.1
+    ended = rests and last.level == "support" and last.function == end and far < 0.1 and not safe
     aloft = 0.0
     for side in SIDES:
         air = 0
@@ -381,7 +385,7 @@ def judged(
     beside = np.sqrt(np.mean(((run.tau + run.interaction)[:, knees] - plan) ** 2)) / np.sqrt(np.mean(plan**2))
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
     figures.append(100.0 * float(beside) if rail is None and function.name == "squat" else np.nan)
-    figures.append(float(last.function == SAFE or last.level == "damping"))
+    figures += [float(rests), float(last.function == SAFE or last.level == "damping")]
     return np.array([ended, *figures])
 
 
@@ -493,18 +497,19 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int) -> None:
     """Run functions with planted events, and print how they end."""
     found = [*chain(*Parallel(n_jobs=jobs)(delayed(planted)(machine, s, count) for s in seeds))]
     print(f"{machine}: {len(found)} planted events, seeds from {seeds[0]}")
-    headers = ("cases", "done", "safe stop", "neither", "support in the air", "torque [N·m]")
+    headers = ("cases", "done", "rests", "safe stop", "neither", "support in the air", "torque [N·m]")
     print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
     for event in EVENTS:
-        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 2)
-        done, safe = rows[:, 0] > 0.0, rows[:, -1] > 0.0
+        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 3)
+        done, rests, safe = (rows[:, [0, -2, -1]] > 0.0).T
         air = rows[:, COORDINATED.index("air [ms]")] > 60.0
-        counts = len(rows), done.sum(), (safe & ~done).sum(), (~safe & ~done).sum(), air.sum()
+        ends = done, rests & ~done, safe, ~(done | rests | safe), air
+        counts = len(rows), *(int(end.sum()) for end in ends)
         most = np.nanmax(rows[:, COORDINATED.index("torque [N·m]")], initial=0.0)
         print(f"{event:20s}" + "".join(f"{x:20d}" for x in counts) + f"{most:20.4g}", flush=True)
     for name, event, figures in found:
-        if not (figures[0] or figures[-1]):
-            print(f"    neither: {name}, {event}: {', '.join(f'{x:.3g}' for x in figures[1:])}")
+        if not any(figures[[0, -2, -1]]) or figures[COORDINATED.index("air [ms]")] > 60.0:
+            print(f"    neither, or in the air: {name}, {event}: {', '.join(f'{x:.3g}' for x in figures[1:])}")
 
 
 def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -> None:
@@ -515,7 +520,7 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        *cells, knees, _ = np.fmax.reduce(rows[:, 1:], axis=0)
+        *cells, knees, _, _ = np.fmax.reduce(rows[:, 1:], axis=0)
         print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}" + "".join(f"{x:13.3g}" for x in cells))
         if np.isfinite(knees):
             print(f"{'':20s}torque of the knees beside the plan, RMS: {knees:.1f} %", flush=True)

@@ -18,6 +18,9 @@ from .hypotheses import CERTAIN
 SAFE = "safe stop"
 """State of the fall-back: support as long as contacts are known, then damping."""
 
+RESTS = 0.3
+"""Time for which contacts must be known before the safe stop ends, or joints are damped without a footing [s]."""
+
 
 class Rule(NamedTuple):
     """Row of the table: in a function, a condition leads to another function.
@@ -71,6 +74,8 @@ class CoordinatorMemory:
     since_known: float = 0.0  # time since then, or since the beginning [s]
     unexpected: float = 0.0  # time for which contacts were not those of the function [s]
     settled: float = 0.0  # time for which contacts have been known without a change [s]
+    lost: float = 0.0  # time for which joints are still damped after the footing was lost [s]
+    fell: bool = False  # whether the safe stop follows a loss of footing: it ends by a request only
     request: str | None = None
     waiting: float = 0.0  # time since the request [s]
     loaded: dict[str, float] = field(default_factory=dict)  # course of the share of each contact, 0 to 1
@@ -151,6 +156,8 @@ class Coordinator:
         probability: Mapping[Contacts, float],
         flexion: FloatArray,
         request: str | None = None,
+        *,
+        lost: bool = False,
     ) -> Decision:
         """Decide at a sample.
 
@@ -159,6 +166,7 @@ class Coordinator:
             probability: Probability of each set of contacts ("left", "right", "seat"); the rest is unknown.
             flexion: Flexion of both legs [rad], (2, 3).
             request: Function that the wearer asks for; None for nothing new.
+            lost: Whether the footing is lost, so that joints are damped and :data:`SAFE` follows.
 
         Returns:
             The decision.
@@ -171,7 +179,11 @@ class Coordinator:
             memory.known, memory.since_known = best, 0.0
         else:
             memory.since_known += dt
+        if lost:
+            memory.settled, memory.lost, memory.fell = 0.0, RESTS, True
+            self._enter(memory, SAFE)
         self._advance(memory, best if known else None, flexion, request, dt)
+        memory.lost = max(memory.lost - dt, 0.0)
         # a leg that may be in the air bears nothing, whatever the last state was
         held = memory.since_known < self.hold
         doubt = held and not known
@@ -188,7 +200,7 @@ class Coordinator:
             if proven and bears[name] >= (self.likely if doubt and name in planned else CERTAIN):
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]
-        level = "support" if known else "frozen" if held or feet else "damping"
+        level = "damping" if memory.lost > 0.0 else "support" if known else "frozen" if held or feet else "damping"
         for name in (*SIDES, SEAT):  # what is left bears less and less in doubt, too
             way = -1.0 if name in leaving else 0.0 if level == "frozen" else 1.0
             # a foot that is felt and then bears next to nothing would be lost again
@@ -285,10 +297,11 @@ class Coordinator:
         return done and contacts == begins and then.near(0.0, flexion)
 
     def _recover(self, memory: CoordinatorMemory, contacts: Contacts | None, flexion: FloatArray) -> None:
-        """Leave the safe stop when contacts were known for 0.3 s and belong to a function at rest."""
+        """Leave the safe stop when contacts were known for long and belong to a function at rest."""
         memory.phase = 1.0
-        if contacts is None or memory.settled < 0.3:
+        if contacts is None or memory.settled < RESTS or (memory.fell and memory.request is None):
             return
+        memory.fell = False
         for rule in self.table:
             then = self.functions.get(rule.then)
             if rule.function == SAFE and then and contacts == then.expected(1.0) and then.near(1.0, flexion):

@@ -27,6 +27,9 @@ CERTAIN = 0.99
 BLOCK = 0.01
 """Time between two decisions [s]."""
 
+LIGHT = 0.25
+"""Share of its usual forces that a seat may bear as well, as it is loaded slowly (seeds 900 and 901 of the loop)."""
+
 
 class ContactNoise(NamedTuple):
     """Standard deviations of what is not in the model, and prior rates; tuned by scripts/study_coordination.py."""
@@ -350,24 +353,24 @@ class ContactFilter:
         spread[:, b:] += (noise.torque * low_gain) ** 2
         S[:, range(b + n), range(b + n)] += spread
         L = np.linalg.cholesky(S)
-        white = np.linalg.solve(L, e[..., None])  # (K, R, 1)
+        white = np.asarray(np.linalg.solve(L, e[..., None]), np.float64)  # (K, R, 1)
         columns = {link: self._columns(q, link) for link in self.soles}
-        loads = {link: np.linalg.solve(L, each) for link, each in columns.items()}
+        loads = {link: np.asarray(np.linalg.solve(L, each), np.float64) for link, each in columns.items()}
         up = np.column_stack([base.specific_force @ leg.plane.forward, base.specific_force @ leg.plane.up])
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1.0)
         rates = np.column_stack([np.zeros((K, 2)), -gyro @ leg.plane.lateral, v])
         speeds = {link: self._speed(each, rates) for link, each in columns.items()}
         likelihood, wrenches = np.empty((K, len(self.sets) + 1)), np.zeros((K, len(self.sets) + 1, len(self.soles), 3))
         least = np.full(K, np.inf)  # distance of the best set
+        seat = self.model.leg.description.root_link
         for h, links in enumerate(self.sets):
-            G = np.concatenate(
-                [np.zeros((K, b + n, 0)), *(loads[link] for link in self.soles if link in links)], axis=2
-            )
-            inner = np.eye(G.shape[2]) + np.swapaxes(G, 1, 2) @ G  # |I + G Gᵀ| = |I + Gᵀ G|, and Woodbury
-            x = np.swapaxes(G, 1, 2) @ white
-            y = np.linalg.solve(inner, x)
-            distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
-            likelihood[:, h] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
+            grades = (LIGHT, 1.0) if seat in links else (1.0,)
+            both = [
+                self._bear(white, [loads[x] * (g if x == seat else 1.0) for x in self.soles if x in links])
+                for g in grades
+            ]
+            y, distance, _ = both[-1]
+            likelihood[:, h] = np.logaddexp.reduce([score for *_, score in both]) - np.log(len(both))
             least = np.minimum(least, distance)
             own = [k for k, link in enumerate(self.soles) if link in links]
             for one, other in combinations((link for link in self.soles if link in links), 2):
@@ -383,6 +386,15 @@ class ContactFilter:
         distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
         likelihood[:, -1] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
         return likelihood, wrenches, np.log1p(least.clip(0.0) / noise.freedom)
+
+    def _bear(self, white: FloatArray, loads: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Forces of contacts, (K, 3 S), distance of what they do not explain and log-likelihood, (K,)."""
+        G = np.concatenate([np.zeros((*white.shape[:2], 0)), *loads], axis=2)
+        inner = np.eye(G.shape[2]) + np.swapaxes(G, 1, 2) @ G  # |I + G Gᵀ| = |I + Gᵀ G|, and Woodbury
+        x = np.swapaxes(G, 1, 2) @ white
+        y = np.linalg.solve(inner, x)
+        distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
+        return y, distance, self._student(distance, np.linalg.slogdet(inner)[1], white.shape[1])
 
     def _speed(self, columns: FloatArray, rates: FloatArray) -> FloatArray:
         """Velocity of the middle of a sole in base axes beside that of the base [m/s], (K, 2)."""

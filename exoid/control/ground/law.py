@@ -167,7 +167,7 @@ class StanceLaw:
         M, h, count = dynamics.M, dynamics.h, len(J)
         bias = h - self._known(state)
         # equality rows of x = (dν, f / weight): contacts that hold, and the base, which has no actuator
-        weight = self._weight
+        weight = self.weight
         E = np.block([[J, np.zeros((count, count))], [M[:BASE], -weight * J[:, :BASE].T]])
         x, N = _solutions(E, -np.concatenate([drift, bias[:BASE]]))
         T = np.hstack([M[joints], -weight * J[:, joints].T])  # τ = T x + bias of the joints
@@ -243,7 +243,7 @@ class StanceLaw:
             "power": (self.power, "largest power [W]"),
             "ground_friction": (self.ground_friction, "coefficient of friction that the law may use"),
             "margin": (self.margin, "distance of the centre of pressure from the ends of a sole [m]"),
-            "weight": (self._weight, "weight of the machine, by which forces are scaled [N]"),
+            "weight": (self.weight, "weight of the machine, by which forces are scaled [N]"),
             "effort": (EFFORT, "square root of the cost of torque [1/(N m)]"),
             "share_cost": (SHARE, "of forces beside their shares [1/N]"),
             "drift_cost": (DRIFT, "of the hip [s^2/m]"),
@@ -296,7 +296,7 @@ class StanceLaw:
         return F
 
     @cached_property
-    def _weight(self) -> float:
+    def weight(self) -> float:
         """Weight of the machine [N], by which forces are scaled."""
         q = np.zeros(self.model.n)
         return max(1.0, float(abs(self.model.dynamics(q, q, 0.0, 0.0).h[1])))

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.control.functions import PHASE, SIDES, Contacts, contact_name, joint_angles, legs_flexion, minimum_jerk
+from exoid.control.functions import PHASE, SEAT, SIDES, Contacts, contact_name, joint_angles, legs_flexion, minimum_jerk
 from exoid.errors import BadArgumentError
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundMotion, GroundReading
 
 from .coordinator import Coordinator, Decision
@@ -35,6 +36,21 @@ BLENDING = 0.5
 
 SEEK, LONGEST = 0.2, 0.4
 """Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
+
+ASTRAY = 0.35
+"""Error of a joint or the pitch from which the machine does not do what its function plans [rad]."""
+
+BELIEVED, ROLLS = 0.5, 0.06
+"""Time for which the accelerometer tells the velocity [s], and the speed of a sole that still counts as rest [m/s]."""
+
+NOTICED, LOST = 0.004, 0.03
+"""Way of a sole beyond that speed from which the ground is slippery, and from which the footing is lost [m]."""
+
+AGREES, UNLIKE = 0.8, 0.4
+"""Time over which told and wanted loads must agree [s], and the error from which they do not, over the weight."""
+
+CAUTION = 0.7
+"""Share of the ratio of forces at which a sole slips that the law may use."""
 
 
 @dataclass(eq=False)
@@ -138,7 +154,9 @@ class CoordinatedLoop(LawLoop):
 
     Readings feed the filter, whose probabilities feed the coordinator. Its decision chooses the function, whose
     reference the law follows, and the shares. Torque is within the coordinator's bounds; without support joints are
-    damped. Of the actuators the filter reads what the loop commanded. Push and interaction are measured.
+    damped. Of the actuators the filter reads what the loop commanded. Push and interaction are measured. A sole that
+    moves against the accelerometer's velocity slips: the law may then use less friction than it needed there. Where
+    it slips on, or the machine is far from its reference, the footing is lost: the coordinator damps and stops.
 
     Attributes:
         law: The law.
@@ -172,6 +190,7 @@ class CoordinatedLoop(LawLoop):
         self._memory = self.coordinator.begin(self.start, 1.0)
         self._told = self.contacts.begin(self._links[name] for name in self._memory.known)
         self._chances = self.contacts.chances(self._told.probability)
+        self._wrench = np.zeros((len(self._links), 3))  # of each sole, at the last block
         self._waiting: list[tuple[FloatArray, ...]] = []  # samples since the last block
         self._requests = sorted(self.requests.items(), reverse=True)
         self._curves = {}
@@ -183,6 +202,9 @@ class CoordinatedLoop(LawLoop):
         self._since = np.zeros(self.law.model.n + 1)  # time since then [s]
         self._bears: Contacts = self._memory.known  # contacts that bore at the last sample
         self._late = dict.fromkeys(SIDES, 0.0)  # time for which a planned foot has not borne [s]
+        self._speed = 0.0  # of the torso along the ground [m/s]
+        self._slipped: dict[str, float] = {}  # way of each sole that bears [m]
+        self._beside = 0.0  # mean error of what the soles bear, beside what the law wants, over the weight
 
     def __call__(self, reading: GroundReading) -> FloatArray:
         """Compute the torque to hold until the next sample.
@@ -197,11 +219,13 @@ class CoordinatedLoop(LawLoop):
         request = self._requests.pop()[1] if self._requests and reading.time >= self._requests[-1][0] else None
         flexion = legs_flexion(self.law.model.leg, reading.q[np.newaxis])[0]
         before = self._memory.function, self._memory.phase
-        decision = self.coordinator.decide(self._memory, self._chances, flexion, request)
+        lost = self._lost(reading)
+        decision = self.coordinator.decide(self._memory, self._chances, flexion, request, lost=lost)
         self.decisions.append(decision)
         shares = {self._links[name]: share for name, share in decision.shares.items() if share > 0.0}
-        target = self._follow(*before, reading.q, frozenset(decision.shares))
+        target = self._follow(*before, reading, frozenset(decision.shares))
         torque = self.supported(reading, shares, target, reading.interaction)
+        self._watch(reading, {} if torque is None or self.state is None else self.state.contacts)
         wanted = -self.coordinator.damping * reading.v if torque is None else torque
         if self._memory.torque is None:
             self._memory.torque = wanted  # brakes hold the machine until then
@@ -219,17 +243,59 @@ class CoordinatedLoop(LawLoop):
             block = ContactReadings(q, tau, rates, force, measured)
             belief = self.contacts.advance(self._told, block, self.coordinator.expected(self._memory))
             self._chances = self.contacts.chances(belief.probability[-1])
+            self._wrench = belief.wrench[-1]
             self._waiting.clear()
 
-    def _follow(self, function: str, phase: float, q: FloatArray, bears: Contacts) -> GroundTarget:
+    def _watch(self, reading: GroundReading, contacts: Mapping[str, ContactKind]) -> None:
+        """Take in how fast the soles that bear move by the accelerometer, and how much friction they had."""
+        model, dt = self.law.model, 1.0 / self.coordinator.rate
+        axes, angle = model.leg.plane, reading.pitch - self.lean
+        along = np.array([np.cos(angle), -np.sin(angle)])
+        pull = along @ [axes.forward @ reading.specific_force, axes.up @ reading.specific_force]
+        self._speed += dt * float(pull - GRAVITY * np.sin(self.lean))
+        hip = model.leg.model.jointPlacements[1].translation
+        swing = reading.pitch_rate * np.array([-(axes.up @ hip), axes.forward @ hip, 1.0])
+        rates, pose = np.append(swing, reading.v), (reading.q, reading.v, reading.pitch, reading.pitch_rate)
+        each = {
+            link: float(model.contact(link, kind, *pose, 1.0, 0.0, self.lean).J[0] @ rates)
+            for link, kind in contacts.items()
+        }
+        if each and not self._slipped:
+            self._speed = -float(np.mean([*each.values()]))
+        speeds = {link: self._speed + speed for link, speed in each.items()}
+        self._slipped = {
+            link: max(self._slipped.get(link, 0.0) + dt * (abs(speed) - ROLLS), 0.0) for link, speed in speeds.items()
+        }
+        self._speed -= dt / BELIEVED * float(np.mean([*speeds.values()])) if speeds else 0.0
+        beside, command = 0.0, self.commands[-1]
+        forces: Mapping[str, FloatArray] = {} if command is None else command.forces
+        for link, (forward, up, _) in zip(self.contacts.soles, self._wrench, strict=True):
+            tilt = angle + model.turns[link] @ reading.q
+            normal, tangent = np.cos(tilt) * up + np.sin(tilt) * forward, np.cos(tilt) * forward - np.sin(tilt) * up
+            wanted = forces[link][1] if link in forces else 0.0
+            beside += abs(normal - wanted) / self.law.weight if forces else 0.0
+            if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS:
+                least = CAUTION * max(abs(tangent) / max(normal, 1.0), 0.05)
+                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(least)))
+        self._beside += dt / AGREES * (beside - self._beside)
+
+    def _lost(self, reading: GroundReading) -> bool:
+        """Whether a sole slips on, or at all before a seat, or posture or loads are far from what is wanted."""
+        far = self._x is not None and np.abs(np.append(reading.q, reading.pitch) - self._x).max() > ASTRAY
+        most = NOTICED if SEAT in self._memory.known else LOST
+        return bool(far) or self._beside > UNLIKE or max(self._slipped.values(), default=0.0) > most
+
+    def _follow(self, function: str, phase: float, reading: GroundReading, bears: Contacts) -> GroundTarget:
         """Reference of the function that runs, given the last one and its phase; the safe stop stays where it is."""
-        now, dt = self._memory, 1.0 / self.coordinator.rate
+        now, dt, q = self._memory, 1.0 / self.coordinator.rate, reading.q
         lands, self._bears = bears - self._bears, bears
         curve = self._curves.get(now.function)
         if curve is None:
             still = np.zeros(self.law.model.n + 1)
             self._off[:] = self._since[:] = 0.0
-            return _target(self._x if self._x is not None else still, still, still)
+            if self._x is None or not bears:
+                self._x = np.append(q, reading.pitch)
+            return _target(self._x, still, still)
         x, slope, bend = (curve(now.phase, k) for k in range(3))
         rate = (now.phase - phase) / dt
         if now.function != function:
