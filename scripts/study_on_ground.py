@@ -332,7 +332,7 @@ def judged(
     seed: int,
     event: Event,
 ) -> FloatArray:
-    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], rest, safe stop."""
+    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], goes on, safe."""
     try:
         run = simulate_on_ground(
             plant,
@@ -352,11 +352,11 @@ def judged(
     end = "sit" if function.name == "sit" else "stand"
     far = np.abs(legs_flexion(plant.leg, run.q[-1:])[0] - function.flexion[-1]).max()
     safe = any(d.function == SAFE for d in loop.decisions)
-    posture = loop.coordinator.functions.get("sit" if last.function == "sit" else "stand", function).flexion[-1]
+    runs, levels = loop.coordinator.functions.get(last.function), {d.level for d in shown[-round(0.2 * RATES.log) :]}
+    posture = function.flexion[-1] if runs is None else runs.flexion[round(last.phase * (len(PHASE) - 1))]
     away = np.abs(legs_flexion(plant.leg, run.q[-1:])[0] - posture).max()
-    levels = {d.level for d in shown[-round(0.2 * RATES.log) :]}
-    rests = last.function in ("stand", "sit") and "support" in levels and "damping" not in levels and away < 0.1
-    ended = rests and last.level == "support" and last.function == end and far < 0.1 and not safe
+    goes_on = runs is not None and "support" in levels and "damping" not in levels and away < 0.1
+    ended = goes_on and last.level == "support" and last.function == end and far < 0.1 and not safe
     aloft = 0.0
     for side in SIDES:
         air = 0
@@ -385,7 +385,7 @@ def judged(
     beside = np.sqrt(np.mean(((run.tau + run.interaction)[:, knees] - plan) ** 2)) / np.sqrt(np.mean(plan**2))
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
     figures.append(100.0 * float(beside) if rail is None and function.name == "squat" else np.nan)
-    figures += [float(rests), float(last.function == SAFE or last.level == "damping")]
+    figures += [float(goes_on), float(last.function == SAFE or last.level == "damping")]
     return np.array([ended, *figures])
 
 
@@ -497,13 +497,13 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int) -> None:
     """Run functions with planted events, and print how they end."""
     found = [*chain(*Parallel(n_jobs=jobs)(delayed(planted)(machine, s, count) for s in seeds))]
     print(f"{machine}: {len(found)} planted events, seeds from {seeds[0]}")
-    headers = ("cases", "done", "rests", "safe stop", "neither", "support in the air", "torque [N·m]")
+    headers = ("cases", "done", "goes on", "safe stop", "neither", "support in the air", "torque [N·m]")
     print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
     for event in EVENTS:
         rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 3)
-        done, rests, safe = (rows[:, [0, -2, -1]] > 0.0).T
+        done, goes_on, safe = (rows[:, [0, -2, -1]] > 0.0).T
         air = rows[:, COORDINATED.index("air [ms]")] > 60.0
-        ends = done, rests & ~done, safe, ~(done | rests | safe), air
+        ends = done, goes_on & ~done, safe, ~(done | goes_on | safe), air
         counts = len(rows), *(int(end.sum()) for end in ends)
         most = np.nanmax(rows[:, COORDINATED.index("torque [N·m]")], initial=0.0)
         print(f"{event:20s}" + "".join(f"{x:20d}" for x in counts) + f"{most:20.4g}", flush=True)

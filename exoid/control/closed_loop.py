@@ -233,12 +233,10 @@ class _Sampled:
         self._last: FloatArray | None = None
         self._memory: Memory = None
 
-    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the torque without a wearer."""
-        return self.command_worn(target, q, v, None)
-
-    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:
-        """Compute the torque, given that of the wearer."""
+    def command(
+        self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None = None
+    ) -> FloatArray:
+        """Compute the torque, given that of the wearer if there is one."""
         single = q.shape[1] == 1
         if single:  # vectors are quicker than columns
             q, v = q[:, 0], v[:, 0]
@@ -252,6 +250,8 @@ class _Sampled:
         self._last = torque
         return torque[:, None] if single else torque
 
+    command_worn = command
+
 
 class _OneForEach:
     """Controller k for rig k."""
@@ -259,16 +259,16 @@ class _OneForEach:
     def __init__(self, laws: Sequence[AnyLaw]) -> None:
         self._each = [_Sampled(law) for law in laws]
 
-    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute the torques without a wearer."""
-        return self.command_worn(target, q, v, None)
-
-    def command_worn(self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None) -> FloatArray:
-        """Compute the torques, given those of the wearers."""
+    def command(
+        self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None = None
+    ) -> FloatArray:
+        """Compute the torques, given those of the wearers if there are any."""
         aims = [None if x is None else np.broadcast_to(x, q.shape) for x in target]
         torques = []
         for k, law in enumerate(self._each):
             aim = Target(*(None if x is None else x[:, k : k + 1] for x in aims))  # type: ignore[arg-type]
             felt = None if interaction is None else interaction[:, k : k + 1]
-            torques.append(law.command_worn(aim, q[:, k : k + 1], v[:, k : k + 1], felt))
+            torques.append(law.command(aim, q[:, k : k + 1], v[:, k : k + 1], felt))
         return np.hstack(torques)
+
+    command_worn = command

@@ -9,7 +9,6 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
 from exoid.codegen.law_in_c import law_in_c
-from exoid.errors import BadArgumentError
 from exoid.rig import Target
 from exoid.tools.numbers import checked
 
@@ -52,26 +51,6 @@ class Limited:
         """Sampling rate [Hz]."""
         return self.law.rate
 
-    def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque of the other controller, within the limits.
-
-        Args:
-            state: Measured state.
-            target: Reference at this moment.
-
-        Returns:
-            Torque [N·m], (n,).
-
-        Raises:
-            ExoidError: The other controller has memory.
-        """
-        if not callable(getattr(self.law, "torque", None)):
-            raise BadArgumentError(
-                f"{type(self.law).__name__} has memory, which torque() cannot keep",
-                remedy="call begin(state) once, then torque, memory = step(memory, state, target) at each sample",
-            )
-        return self._clipped(self.law.torque(state, target), state)  # type: ignore[union-attr]
-
     def begin(self, state: State) -> Memory:
         """Compute the memory of the other controller before the first sample.
 
@@ -95,15 +74,11 @@ class Limited:
             Torque [N·m], (n,), and memory.
         """
         torque, memory = stateful(self.law).step(memory, state, target)
-        return self._clipped(torque, state), memory
-
-    def _clipped(self, torque: FloatArray, state: State) -> FloatArray:
-        """Clip a torque to the limits of its change and size."""
         last = np.zeros_like(torque) if state.last is None else state.last
         change = spread(np.asarray(self.slew), torque) / self.rate
         torque = np.clip(torque, last - change, last + change)
         limit = spread(np.asarray(self.limit), torque)
-        return np.clip(torque, -limit, limit)
+        return np.clip(torque, -limit, limit), memory
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C.

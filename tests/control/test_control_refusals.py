@@ -39,18 +39,6 @@ REST, AIM = State(np.zeros(2), np.zeros(2)), Target(np.zeros(2), np.zeros(2))
 NAN, INF = np.nan, np.inf
 
 
-class Integrator:
-    """A law with memory alone."""
-
-    rate = 100.0
-
-    def begin(self, state):
-        return np.zeros_like(state.q)
-
-    def step(self, memory, state, target):
-        return memory, memory
-
-
 REFUSED = {
     "gain": [
         (make, bad)
@@ -111,7 +99,6 @@ REFUSED = {
     "model": [(ControlModel.of, bad) for bad in (None, "est.json", cuhk_plant().repeat(2))],
     "law": [
         (stateful, {}),
-        (lambda law: Limited(law).torque(REST, AIM), Integrator()),
     ],
     "run": [
         (lambda x: simulate_law(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),

@@ -26,14 +26,13 @@ def stand(body: Body) -> Function:
     return placed("stand", body, 1.0, hip, np.zeros(len(PHASE)), ((0.0, frozenset(SIDES)),))
 
 
-def sit(body: Body, *, seat: float = 0.45, duration: float = 2.5, lean: float = -0.5) -> Function:
+def sit(body: Body, *, seat: float = 0.45, duration: float = 2.5) -> Function:
     """Sit down on a chair behind the feet.
 
     Args:
         body: The wearer.
         seat: Height of the seat [m].
         duration: Duration [s].
-        lean: Pitch of the torso half-way [rad]; negative leans forward.
 
     Returns:
         The function; the seat bears load from 0.85 of it.
@@ -44,7 +43,7 @@ def sit(body: Body, *, seat: float = 0.45, duration: float = 2.5, lean: float = 
     standing, seated = STANDING * 1j * body.leg, seated_hip(body, seat)
     s = minimum_jerk(PHASE / 0.9)  # and rests
     hip = np.asarray(standing + s * (seated - standing), dtype=np.complex128)
-    pitch = lean * np.sin(np.pi * s) ** 2
+    pitch = -0.5 * np.sin(np.pi * s) ** 2  # [rad]: the torso leans forward half-way
     order = ((0.0, frozenset(SIDES)), (0.85, frozenset((*SIDES, SEAT))))
     return placed("sit", body, duration, hip, pitch, order)
 

@@ -17,6 +17,9 @@ from exoid.tools.numbers import checked
 from .body import SIDES, Body
 from .function import PHASE, Contacts, Function
 
+LIFT = 0.015
+"""Height by which a swinging foot is lifted more than in the reference [m]."""
+
 DOWN = 0.004
 """Height of the lowest point of a sole below which a foot of a walk counts as on the ground [m]."""
 
@@ -79,8 +82,6 @@ def walk(
     reference: str | os.PathLike[str] = "healthy",
     scale: float = 0.9,
     period: float = 1.4,
-    pitch: float = 0.0,
-    lift: float = 0.015,
     angle: float = 0.0,
 ) -> Function:
     """Walk: both legs follow a stride, half a period apart, and the lowest point of the soles rests.
@@ -90,8 +91,6 @@ def walk(
         reference: Stride, see :func:`stride_flexion`.
         scale: Factor of the amplitudes about the mean.
         period: Time of a stride [s].
-        pitch: Pitch of the torso [rad]. Norms count the flexion of the hip from a pelvis that leans by −0.19 rad.
-        lift: Height by which a swinging foot is lifted more than in the reference [m].
         angle: Angle by which the ground rises forward [rad]. The walk turns with it, and the torso keeps its pitch.
 
     Returns:
@@ -105,7 +104,7 @@ def walk(
     both = np.stack([one, np.vstack([one[100:], one[1:101]])], axis=1)
     if body.ankle == 0.0:
         both[..., 2] = 0.0
-    soles = [body.sole(np.zeros(len(PHASE), dtype=np.complex128), pitch, both[:, k]) for k in range(2)]
+    soles = [body.sole(np.zeros(len(PHASE), dtype=np.complex128), 0.0, both[:, k]) for k in range(2)]
     low = np.array([sole.imag.min(axis=1) for sole in soles])
     smooth = 0.02 * len(PHASE)
     up = scipy.ndimage.gaussian_filter1d(-low.min(axis=0)[:-1], smooth, mode="wrap")
@@ -116,20 +115,20 @@ def walk(
     hip = np.append(0.0, np.cumsum(speed)) + 1j * np.append(up, up[0])
     flexion = []
     for k in range(2):
-        sole = body.sole(hip, pitch, both[:, k])
+        sole = body.sole(hip, 0.0, both[:, k])
         height = np.maximum(sole.imag.min(axis=1), 0.0)
-        raised = sole.mean(axis=1) + 1j * lift * height / (height + 0.01)
+        raised = sole.mean(axis=1) + 1j * LIFT * height / (height + 0.01)
         tilt = np.angle(sole[:, 1] - sole[:, 0])
-        found = body.reach(hip, pitch, raised, tilt if body.ankle else np.zeros(len(PHASE)))
+        found = body.reach(hip, 0.0, raised, tilt if body.ankle else np.zeros(len(PHASE)))
         found[:, 2] *= bool(body.ankle)
         flexion.append(found)
     down = np.array(
-        [body.sole(hip, pitch, each).imag.min(axis=1) < DOWN + low.min(axis=0) + hip.imag for each in flexion]
+        [body.sole(hip, 0.0, each).imag.min(axis=1) < DOWN + low.min(axis=0) + hip.imag for each in flexion]
     )
     down |= ~down.any(axis=0) & (low == low.min(axis=0))  # never in the air
     order = _order([frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T])
     hip = hip * np.exp(1j * angle)
-    torso = np.column_stack([hip.real, hip.imag, np.full(len(PHASE), pitch)])
+    torso = np.column_stack([hip.real, hip.imag, np.zeros(len(PHASE))])
     both = np.stack(flexion, axis=1) + np.array([angle, 0.0, 0.0])
     return Function("slope" if angle else "walk", period, both, torso, order, cyclic=True)
 

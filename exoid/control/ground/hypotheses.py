@@ -27,8 +27,9 @@ CERTAIN = 0.99
 BLOCK = 0.01
 """Time between two decisions [s]."""
 
-LIGHT = 0.25
-"""Share of its usual forces that a seat may bear as well, as it is loaded slowly (seeds 900 and 901 of the loop)."""
+LIGHT, LEAST = 0.25, 40.0
+"""Share of its usual forces that a seat may bear as well, as it is loaded slowly, and force that it should bear [N]."""
+# Without the second, a function that expects the seat would be proof of it. Chosen on seeds 900 and 901 of the loop.
 
 
 class ContactNoise(NamedTuple):
@@ -380,7 +381,8 @@ class ContactFilter:
                 each = y[..., 0].reshape(K, len(own), 3)
                 wrenches[:, h, own] = each * self._prior
                 for k, link in enumerate(link for link in self.soles if link in links):
-                    likelihood[:, h] -= self._impossible(np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k]), up)
+                    force = np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k])
+                    likelihood[:, h] -= self._impossible(force, up, LEAST if link == seat else 0.0)
         wide = np.linalg.inv(L) * (self._weight * np.repeat([1.0, 0.3], [2, b + n - 2]))
         inner = np.eye(b + n) + wide @ np.swapaxes(wide, 1, 2)
         distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
@@ -401,11 +403,11 @@ class ContactFilter:
         J = columns[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn sole axes into base axes
         return np.asarray(np.einsum("kij,krj,kr->ki", J[:, :2], J, rates))
 
-    def _impossible(self, force: FloatArray, up: FloatArray) -> FloatArray:
-        """Penalty of a force in base axes, (K, 2), that pulls, or lies far outside the friction cone; up is (K, 2)."""
+    def _impossible(self, force: FloatArray, up: FloatArray, least: float) -> FloatArray:
+        """Penalty of a force in base axes, (K, 2), below the least, or far outside the friction cone; up is (K, 2)."""
         normal = (force * up).sum(axis=1)
         along = np.abs(force[:, 0] * up[:, 1] - force[:, 1] * up[:, 0])
-        beyond = along / self.noise.cone - normal
+        beyond = along / self.noise.cone - normal + least
         return np.asarray(np.clip(beyond / (2.0 * self.noise.force) - 1.0, 0.0, 20.0))
 
     def _student(self, distance: FloatArray, logdet: FloatArray, rows: int) -> FloatArray:

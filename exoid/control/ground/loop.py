@@ -248,21 +248,18 @@ class CoordinatedLoop(LawLoop):
 
     def _watch(self, reading: GroundReading, contacts: Mapping[str, ContactKind]) -> None:
         """Take in how fast the soles that bear move by the accelerometer, and how much friction they had."""
-        model, dt = self.law.model, 1.0 / self.coordinator.rate
-        axes, angle = model.leg.plane, reading.pitch - self.lean
-        along = np.array([np.cos(angle), -np.sin(angle)])
-        pull = along @ [axes.forward @ reading.specific_force, axes.up @ reading.specific_force]
-        self._speed += dt * float(pull - GRAVITY * np.sin(self.lean))
-        hip = model.leg.model.jointPlacements[1].translation
-        swing = reading.pitch_rate * np.array([-(axes.up @ hip), axes.forward @ hip, 1.0])
-        rates, pose = np.append(swing, reading.v), (reading.q, reading.v, reading.pitch, reading.pitch_rate)
-        each = {
+        model, dt, angle = self.law.model, 1.0 / self.coordinator.rate, reading.pitch - self.lean
+        axes = model.leg.plane.forward + 1j * model.leg.plane.up  # a vector (forward, up) is a complex number
+        hip = axes @ model.leg.model.jointPlacements[1].translation
+        rates = np.append(reading.pitch_rate * np.array([-hip.imag, hip.real, 1.0]), reading.v)
+        pose = reading.q, reading.v, reading.pitch, reading.pitch_rate
+        speeds = {
             link: float(model.contact(link, kind, *pose, 1.0, 0.0, self.lean).J[0] @ rates)
             for link, kind in contacts.items()
         }
-        if each and not self._slipped:
-            self._speed = -float(np.mean([*each.values()]))
-        speeds = {link: self._speed + speed for link, speed in each.items()}
+        pull = float((np.exp(1j * angle) * (axes @ reading.specific_force)).real) - GRAVITY * np.sin(self.lean)
+        self._speed = self._speed + dt * pull if self._slipped or not speeds else -float(np.mean([*speeds.values()]))
+        speeds = {link: self._speed + speed for link, speed in speeds.items()}
         self._slipped = {
             link: max(self._slipped.get(link, 0.0) + dt * (abs(speed) - ROLLS), 0.0) for link, speed in speeds.items()
         }
@@ -270,13 +267,12 @@ class CoordinatedLoop(LawLoop):
         beside, command = 0.0, self.commands[-1]
         forces: Mapping[str, FloatArray] = {} if command is None else command.forces
         for link, (forward, up, _) in zip(self.contacts.soles, self._wrench, strict=True):
-            tilt = angle + model.turns[link] @ reading.q
-            normal, tangent = np.cos(tilt) * up + np.sin(tilt) * forward, np.cos(tilt) * forward - np.sin(tilt) * up
+            force = (forward + 1j * up) * np.exp(1j * (angle + model.turns[link] @ reading.q))
             wanted = forces[link][1] if link in forces else 0.0
-            beside += abs(normal - wanted) / self.law.weight if forces else 0.0
+            beside += abs(force.imag - wanted) / self.law.weight if forces else 0.0
             if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS:
-                least = CAUTION * max(abs(tangent) / max(normal, 1.0), 0.05)
-                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(least)))
+                ratio = CAUTION * max(abs(force.real) / max(force.imag, 1.0), 0.05)
+                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(ratio)))
         self._beside += dt / AGREES * (beside - self._beside)
 
     def _lost(self, reading: GroundReading) -> bool:
