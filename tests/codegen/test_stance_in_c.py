@@ -1,6 +1,9 @@
 """The law on the ground in C, with DAQP as its solver, equals the law in Python."""
 
 import ctypes
+import re
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -85,14 +88,30 @@ def compiled(request, tmp_path_factory):
     return law, CompiledLaw(source, ctypes.CDLL(str(path)))
 
 
-def test_c_is_the_law_in_random_states(compiled):
+@pytest.fixture(scope="module")
+def from_the_page(tmp_path_factory):
+    """The solver of docs/stance-control.md, if the compiler finds DAQP's C library (CPATH, LIBRARY_PATH)."""
+    page, folder = Path(__file__).resolve().parents[2] / "docs" / "stance-control.md", tmp_path_factory.mktemp("daqp")
+    lines = re.search(r"```c\n(#include <daqp/api.h>.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    (folder / "solver.c").write_text(lines[1].replace("static int", "int"), encoding="utf-8")
+    there = [COMPILER, "-E", "-include", "daqp/api.h", "-x", "c", "/dev/null"]
+    if subprocess.run(there, capture_output=True, check=False).returncode:
+        pytest.skip("needs DAQP's C library")
+    arguments = ("-std=c99", "-Wall", "-Werror", "-fPIC", "-shared", "solver.c", "-ldaqp", "-lm", "-o", "solver.so")
+    subprocess.run([COMPILER, *arguments], cwd=folder, check=True)
+    return ctypes.cast(ctypes.CDLL(str(folder / "solver.so")).by_daqp, ctypes.c_void_p).value
+
+
+@pytest.mark.parametrize("solver", [None, "from_the_page"], ids=["Python's", "docs"])
+def test_c_is_the_law_in_random_states(compiled, solver, request):
     """To the accuracy of the solver; three contacts, which hold some direction twice, are the worst."""
     law, in_c = compiled
+    given = {} if solver is None else {"solve": request.getfixturevalue(solver)}
     rng, off, infeasible = np.random.default_rng(1000), {1: 0.0, 2: 0.0, 3: 0.0}, 0
     for _ in range(300):
         state, target = drawn(law, rng)
         expected = law.command(state, target)
-        tau, status, _ = in_c.run(records(in_c.source, 1, values_of(law, state, target)))
+        tau, status, _ = in_c.run(records(in_c.source, 1, {**values_of(law, state, target), **given}))
         assert status[0] == 0
         infeasible += not expected.feasible
         count = len(state.contacts)

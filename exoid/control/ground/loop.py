@@ -256,6 +256,7 @@ class CoordinatedLoop(LawLoop):
         speeds = {
             link: float(model.contact(link, kind, *pose, 1.0, 0.0, self.lean).J[0] @ rates)
             for link, kind in contacts.items()
+            if link in self.contacts.feet  # a seat may slide
         }
         pull = float((np.exp(1j * angle) * (axes @ reading.specific_force)).real) - GRAVITY * np.sin(self.lean)
         self._speed = self._speed + dt * pull if self._slipped or not speeds else -float(np.mean([*speeds.values()]))

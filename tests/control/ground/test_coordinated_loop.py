@@ -17,8 +17,8 @@ from exoid.experiments.ground.stance import HAND_RAIL
 from exoid.lab.coordination import study
 from exoid.rig import Rates
 from exoid.rig.ground import HEALTHY, PASSIVE, GroundMotion, GroundSensors, simulate_on_ground
+from exoid.rig.ground.plant import BLEEX_SOLES, Block
 from exoid.rig.ground.plant import SEAT as SEAT_SOLE
-from exoid.rig.ground.plant import Block
 from exoid.torques.model import TorqueModel
 
 RATES, SENSORS = Rates(500.0, 500.0, 1e-3), GroundSensors(angle_noise=3e-5)
@@ -94,6 +94,19 @@ def test_a_foot_that_is_planned_on_the_ground_and_not_felt_is_lowered_until_it_b
     assert right.force[-50:, 2].min() > 100.0
     assert set(loop.decisions[-1].shares) == {*SIDES}
     assert np.abs(run.q[-1] - joint_angles(machine.leg, stand.flexion[:1])[0]).max() < 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.8, 0.25])
+def test_soles_that_slip_are_noticed_and_the_law_then_uses_less_friction_than_the_ground_has(machine, friction):
+    """Seated, the law pushes the feet apart from the seat by more than ground of 0.25 can bear."""
+    loop = loop_of(machine, {}, "sit")
+    run = run_of(replace(machine, ground_friction=friction), loop, "rise", 0.3, 0.0, PASSIVE)
+    stops = np.flatnonzero([d.function == SAFE for d in loop.decisions])
+    slips = [np.trapezoid(run.feet[link].slip, run.time) for link in BLEEX_SOLES]
+    assert (friction == 0.8) == (len(stops) == 0) == (max(slips) < 1e-3)
+    assert loop.law.ground_friction == 0.6 if friction == 0.8 else 0.05 < loop.law.ground_friction < 0.25
+    assert max(slips) < 0.02
 
 
 @pytest.mark.slow

@@ -72,6 +72,16 @@ def test_contacts_that_a_function_does_not_expect_lead_to_the_safe_stop():
     assert run(machine, memory, LEFT, 2.0).function == SAFE
 
 
+def test_a_lost_footing_is_damped_and_the_stop_ends_by_a_request_only():
+    machine = coordinator()
+    memory = machine.begin("rise", 0.5)
+    stopped = machine.decide(memory, {BOTH: 0.999}, ALL["stand"].flexion[0], lost=True)
+    assert (stopped.function, stopped.level, stopped.shares) == (SAFE, "damping", {})
+    assert run(machine, memory, BOTH, 0.2).level == "damping"
+    assert run(machine, memory, BOTH, 1.0)[::2] == (SAFE, "support")
+    assert run(machine, memory, BOTH, 0.5, request="stand").function == "stand"
+
+
 def test_no_leg_that_may_be_in_the_air_bears_load():
     """Random probabilities, requests and postures: what the last state was does not matter."""
     machine, rng = coordinator(), np.random.default_rng(0)
