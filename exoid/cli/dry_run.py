@@ -45,8 +45,8 @@ def _law(name: str, source: ModelSource, recording: Recording, gains: GainOption
     """Make a controller by its name."""
     if name in WITHOUT_TARGET:
         refuse({"--kp": gains.kp, "--kd": gains.kd}, f"{name} has no gains")
-        make = control.gravity_support if name == "gravity_support" else control.transparent
-        return make(source, rate=rate)
+        friction = control.PASSIVE if name == "transparent" else None
+        return control.gravity_support(source, friction=friction, rate=rate)
     known = (*WITHOUT_TARGET, *control.LAWS)
     if name not in known:
         raise BadArgumentError(f"no controller {name!r}", remedy=f"{nearest(name, known)}use one of {', '.join(known)}")

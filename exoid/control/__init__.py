@@ -14,7 +14,6 @@ from .laws import (
     gravity_support,
     impedance,
     pd,
-    transparent,
 )
 from .limited import Limited
 from .lqr import lqr
@@ -63,5 +62,4 @@ __all__ = [
     "standard_laws",
     "stateful",
     "toe_clearance",
-    "transparent",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from math import gcd
+from math import lcm
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
@@ -212,10 +212,9 @@ def compare_laws(
 def plant_step(control: float, log: float) -> float:
     """Find the longest step of the plant, at most 0.5 ms, that divides the periods of controller and log."""
     checked([control, log], "rates [Hz]", above=0.0)
-    periods = [1 / Fraction(rate).limit_denominator(1000) for rate in (control, log)]
-    scale = periods[0].denominator * periods[1].denominator // gcd(periods[0].denominator, periods[1].denominator)
-    common = Fraction(gcd(*(int(period * scale) for period in periods)), scale)
-    step = float(common / -(-common // Fraction(1, 2000)))
+    a, b = (Fraction(rate).limit_denominator(1000) for rate in (control, log))
+    common = Fraction(lcm(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)
+    step = float(1 / (common * -(-2000 // common)))
     shortest = 2e-5  # [s]; shorter ones would take minutes
     if step < shortest:
         raise BadArgumentError(

@@ -169,6 +169,9 @@ def gravity_support(
 ) -> TrackingLaw:
     """Make a controller that carries a share of the weight, τ = share · [G(q) + s(q)] + τ_f, springs included.
 
+    With all of it and ``friction=PASSIVE`` the wearer feels neither weight nor friction: a transparent leg, but for its
+    inertia, which :func:`sensitivity_amplification` reduces.
+
     Args:
         source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
         share: Share of the weight, 0 to 1, a number or one for each joint.
@@ -191,24 +194,3 @@ def gravity_support(
     """
     shares = checked(share, "the share of the weight", least=0.0, most=1.0)  # to carry the limb too, give its model
     return TrackingLaw("share", shares, np.zeros(()), ControlModel.of(source), friction, rate)
-
-
-def transparent(
-    source: ModelSource, *, friction: FrictionCompensation | None = PASSIVE, rate: float = RATE
-) -> TrackingLaw:
-    """Make a controller under which the wearer feels neither weight nor friction: zero torque at slow motion.
-
-    The inertia remains; :func:`sensitivity_amplification` reduces that too.
-
-    Args:
-        source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
-        friction: Friction compensation; None for none.
-        rate: Sampling rate [Hz].
-
-    Returns:
-        A controller that carries all weight.
-
-    Raises:
-        ExoidError: The rate is not positive, or the source has no control model.
-    """
-    return gravity_support(source, 1.0, friction=friction, rate=rate)

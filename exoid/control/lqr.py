@@ -133,10 +133,11 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
     data = pinocchio.createData()
     at = configuration(pinocchio, q[None])[0]
     by_q, by_v, _ = pin.computeRNEADerivatives(pinocchio, data, at, v, a)
-    inverse = np.linalg.inv(model.mass_matrix(q))
+    inverse, step = np.linalg.inv(model.mass_matrix(q)), 1e-5 * np.eye(n)  # [rad]
+    of_springs = (model.springs(q[:, None] + step) - model.springs(q[:, None] - step)) / 2e-5
     A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, n))
     A[:n, n:] = np.eye(n)
-    A[n:, :n] = -inverse @ (by_q + _spring_rate(model, q))
+    A[n:, :n] = -inverse @ (by_q + of_springs)
     A[n:, n:] = -inverse @ (by_v + np.diag(model.viscous))
     B[n:] = inverse
     return Linear(A, B)
@@ -147,9 +148,3 @@ def discretise(continuous: Linear, period: float) -> Linear:
     A, B = continuous
     sampled = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)
     return Linear(*sampled[:2])
-
-
-def _spring_rate(model: ControlModel, q: FloatArray) -> FloatArray:
-    """Derivative of the torque at rest without gravity [N·m/rad], (n, n), by differences."""
-    step = 1e-5 * np.eye(model.n)  # [rad]
-    return (model.springs(q[:, None] + step) - model.springs(q[:, None] - step)) / 2e-5

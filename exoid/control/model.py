@@ -248,19 +248,9 @@ class ControlModel:
     def _data(self) -> pin.Data:
         return self.pinocchio.createData()
 
-    @cached_property
-    def _turns(self) -> bool:
-        return bool(self.pinocchio.nq != self.pinocchio.nv)
-
     def _configuration(self, q: FloatArray) -> FloatArray:
         """Pinocchio's configuration of one leg, in which a joint without limits is (cos q, sin q)."""
-        return configuration(self.pinocchio, q[None])[0] if self._turns else q
-
-    @cached_property
-    def _powers(self) -> list[FloatArray]:
-        """Coefficients of the springs from the highest power that any joint has."""
-        highest = next((k for k, row in enumerate(self.spring) if row.any()), len(self.spring) - 1)
-        return list(self.spring[highest:])
+        return q if self.pinocchio.nq == self.pinocchio.nv else configuration(self.pinocchio, q[None])[0]
 
     @cached_property
     def _inertial(self) -> bool:
@@ -288,8 +278,7 @@ class ControlModel:
         Returns:
             Torque [N·m], of the same shape.
         """
-        first, *rest = self._powers if q.ndim == 1 else [row[:, None] for row in self._powers]
-        torque = first
+        torque, *rest = self.spring if q.ndim == 1 else self.spring[:, :, None]
         for coefficient in rest:
             torque = torque * q + coefficient
         return np.asarray(torque + torque_of(self.others, q) if self.others else torque)

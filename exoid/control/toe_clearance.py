@@ -9,6 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.control.model import ControlModel
 from exoid.errors import BadArgumentError
 from exoid.estimate import EstimateData
 from exoid.tools.numbers import checked
@@ -79,11 +80,8 @@ def toe_clearance(
     curve = scipy.interpolate.CubicSpline(time, q)
     v, a = curve(time, 1), curve(time, 2)
     Y = estimate.model.regressor(q, v, a)  # (N, n, P)
-    still, unit = estimate.model.regressor(q, v, np.zeros_like(q)), np.eye(n)
-    M = np.stack(  # with the rotors
-        [(estimate.model.regressor(q, v, np.tile(row, (len(q), 1))) - still) @ estimate.values for row in unit], axis=2
-    )
-    drive = np.linalg.solve(M, Y)
+    model, unit = ControlModel.of_parameters(estimate.model, estimate.values), np.eye(n)
+    drive = np.linalg.solve(model.leg.mass_matrix(q) + model.rotors(q), Y)
     E = np.empty_like(drive)
     for j, (stiff, damp) in enumerate(zip(*gains, strict=True)):
         b, den = scipy.signal.bilinear([1.0], [1.0, float(damp), float(stiff)], 1.0 / float(steps[0]))

@@ -75,7 +75,7 @@ EQUATIONS = {  # name: law of a source, torque written out
     "impedance": (lambda source: control.impedance(source, KP, KD, friction=None), FEEDBACK + rigid(Q, V, AIM.a)),
     "support": (lambda source: control.gravity_support(source, (0.4, 1.0)), np.array([0.4, 1.0]) * WEIGHT),
     "transparent": (
-        control.transparent,
+        lambda source: control.gravity_support(source, friction=control.PASSIVE),
         WEIGHT + np.where(rubbing(V, SMOOTH_SIGN) * V > 0.0, 0.9 * rubbing(V, SMOOTH_SIGN), 0.0),
     ),
 }

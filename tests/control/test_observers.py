@@ -155,7 +155,7 @@ def test_the_delay_is_that_of_a_slow_torque(cutoff):
 
 def test_the_bandwidth_is_the_one_asked_for():
     observer = MomentumObserver(BLEEX, 8.0, 1000.0, cutoff=np.inf, noise=NOISE)
-    assert observer.delay == pytest.approx(1.0 / observer.gain, rel=1e-3)
+    assert observer.delay == pytest.approx(0.5 / (np.pi * observer.bandwidth), rel=1e-3)
     assert abs(measured_response(observer, 8.0)) == pytest.approx([0.5**0.5] * 3, 1e-2)
 
 

@@ -16,7 +16,6 @@ from exoid.control import (
     pd,
     sensitivity_amplification,
     simulate_law,
-    transparent,
 )
 from exoid.errors import ExoidError
 from exoid.experiments import Hold
@@ -61,7 +60,7 @@ def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
 
 def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
     """Weight and friction are compensated; nothing else moves the leg."""
-    law = transparent(RUBBING, friction=FrictionCompensation(drives=False), rate=500.0)
+    law = gravity_support(RUBBING, friction=FrictionCompensation(drives=False), rate=500.0)
     rest = simulate_law(RUBBING, law, HOLD, 3.0, sensors=EXACT)
     np.testing.assert_array_equal(rest.q[-1], POSE)
 
@@ -90,7 +89,8 @@ def test_the_wearer_carries_the_rest_of_the_weight(share):
 
 
 def test_an_unworn_transparent_leg_stays_where_it_is_released():
-    run = simulate_law(SMOOTH, transparent(SMOOTH, rate=1000.0), HOLD, 2.0, start=POSE, sensors=EXACT)
+    law = gravity_support(SMOOTH, friction=PASSIVE, rate=1000.0)
+    run = simulate_law(SMOOTH, law, HOLD, 2.0, start=POSE, sensors=EXACT)
     np.testing.assert_allclose(run.q, np.tile(POSE, (len(run.q), 1)), atol=1e-6)
 
 

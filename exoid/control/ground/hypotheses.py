@@ -384,9 +384,7 @@ class ContactFilter:
                     force = np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k])
                     likelihood[:, h] -= self._impossible(force, up, LEAST if link == seat else 0.0)
         wide = np.linalg.inv(L) * (self._weight * np.repeat([1.0, 0.3], [2, b + n - 2]))
-        inner = np.eye(b + n) + wide @ np.swapaxes(wide, 1, 2)
-        distance = (white * np.linalg.solve(inner, white)).sum(axis=(1, 2))
-        likelihood[:, -1] = self._student(distance, np.linalg.slogdet(inner)[1], b + n)
+        *_, likelihood[:, -1] = self._bear(white, [wide])
         return likelihood, wrenches, np.log1p(least.clip(0.0) / noise.freedom)
 
     def _bear(self, white: FloatArray, loads: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -165,7 +165,10 @@ class StanceLaw:
         n, joints = self.model.n, slice(BASE, None)
         J, drift = np.concatenate([each.J for each in rows]), np.concatenate([each.drift for each in rows])
         M, h, count = dynamics.M, dynamics.h, len(J)
-        bias = h - self._known(state)
+        known = np.zeros(BASE + n)  # forces on the base and torques on the joints that no actuator gives
+        known[:BASE] = 0.0 if state.push is None else state.push
+        known[joints] = 0.0 if state.interaction is None else state.interaction
+        bias = h - known
         # equality rows of x = (dν, f / weight): contacts that hold, and the base, which has no actuator
         weight = self.weight
         E = np.block([[J, np.zeros((count, count))], [M[:BASE], -weight * J[:, :BASE].T]])
@@ -269,13 +272,6 @@ class StanceLaw:
         e = np.append(target.q - state.q, target.pitch - state.pitch)
         rate = np.append(target.v - state.v, target.pitch_rate - state.pitch_rate)
         return np.asarray(np.append(a, target.pitch_acceleration) + self.kp * e + self.kd * rate)
-
-    def _known(self, state: GroundState) -> FloatArray:
-        """Known forces on the base and torques on the joints that no actuator gives, (3 + n,)."""
-        out = np.zeros(BASE + self.model.n)
-        out[:BASE] = 0.0 if state.push is None else state.push
-        out[BASE:] = 0.0 if state.interaction is None else state.interaction
-        return out
 
     def _added(self, state: GroundState) -> FloatArray:
         """Torque of springs, and compensation of friction, (n,)."""

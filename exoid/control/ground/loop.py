@@ -37,20 +37,15 @@ BLENDING = 0.5
 SEEK, LONGEST = 0.2, 0.4
 """Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
 
-ASTRAY = 0.35
-"""Error of a joint or the pitch from which the machine does not do what its function plans [rad]."""
+ASTRAY, UNLIKE, AGREES = 0.35, 0.4, 0.8
+"""Errors from which a machine is lost, of joints or pitch [rad] and of loads over the weight; time of the mean [s]."""
 
-BELIEVED, ROLLS = 0.5, 0.06
-"""Time for which the accelerometer tells the velocity [s], and the speed of a sole that still counts as rest [m/s]."""
-
-NOTICED, LOST = 0.004, 0.03
-"""Way of a sole beyond that speed from which the ground is slippery, and from which the footing is lost [m]."""
-
-AGREES, UNLIKE = 0.8, 0.4
-"""Time over which told and wanted loads must agree [s], and the error from which they do not, over the weight."""
+BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
+"""Time for which the accelerometer tells a velocity [s], that of a sole at rest [m/s], and slips that count [m]."""
+# From the first the ground is slippery, and a seat is not left; from the second the footing is lost.
 
 CAUTION = 0.7
-"""Share of the ratio of forces at which a sole slips that the law may use."""
+"""Share of the ratio of forces at which a sole slips that the law may use then."""
 
 
 @dataclass(eq=False)

@@ -100,15 +100,10 @@ class MomentumObserver:
         checked(self.bandwidth, "bandwidth [Hz]", above=0.0, ndim=0)
         _ = self.band, self.terms
 
-    @property
-    def gain(self) -> float:
-        """Gain K = 2π times the bandwidth [1/s]."""
-        return 2.0 * np.pi * self.bandwidth
-
     @cached_property
     def filter(self) -> JointFilter:
         """(1 − e^{−KT}) / (1 − e^{−KT} z⁻¹)."""
-        pole = np.exp(-self.gain / self.rate)
+        pole = np.exp(-2.0 * np.pi * self.bandwidth / self.rate)  # K = 2π bandwidth
         return JointFilter(np.array([1.0 - pole, 0.0]), np.array([1.0, -pole]))
 
     def in_c(self, dialect: Dialect) -> LawInC:
@@ -125,7 +120,7 @@ class MomentumObserver:
     @cached_property
     def delay(self) -> float:
         """Delay of slow torques from the leg to the reading, with that of the channels' low-pass [s]."""
-        pole = float(np.exp(-self.gain / self.rate))
+        pole = -float(self.filter.a[1])
         samples = pole / (1.0 - pole) + 0.5  # half a sample, as the balance is a mean over an interval
         return samples / self.rate + self.alignment.delay
 
