@@ -339,7 +339,8 @@ def _() -> Any:  # noqa: ANN401
     for t in np.arange(0.0, 1.0, 1.0 / law.rate):
         target = gait.at(t)
         q, v = target.q + 0.02 * rng.standard_normal(2), target.v + 0.1 * rng.standard_normal(2)
-        torques.append(law.torque(control.State(q, v, t, torques[-1]), target))
+        state = control.State(q, v, t, torques[-1])
+        torques.append(law.step(law.begin(state), state, target)[0])
     return np.array(torques[1:])
 
 

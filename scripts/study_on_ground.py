@@ -476,8 +476,8 @@ def all_coordinated(machine: str, seed: int, only: str | None = None) -> dict[tu
     return out
 
 
-def planted(machine: str, seed: int, count: int) -> list[tuple[str, str, FloatArray]]:
-    """Figures of random functions with random events, by the names of both."""
+def planted(machine: str, seed: int, count: int, only: str | None = None) -> list[tuple[str, str, FloatArray]]:
+    """Figures of random functions with random events, or with one kind of them, by the names of both."""
     warnings.simplefilter("ignore")
     rng, truth = np.random.default_rng([seed, 7]), truth_of(machine, np.random.default_rng(seed))
     model, out = identified(machine, truth, 10 * seed), []
@@ -488,18 +488,20 @@ def planted(machine: str, seed: int, count: int) -> list[tuple[str, str, FloatAr
         event = Event.drawn(
             truth.leg.joint_names, ("first step", "steps", "last step") if name in WALKS else known, rng
         )
+        if only not in (None, event.name):
+            continue
         case = walked(truth, model, name, seed, event) if name in WALKS else None
         out.append((name, event.name, coordinated(truth, model, name, PASSIVE, seed, event) if case is None else case))
     return out
 
 
-def print_planted(machine: str, seeds: range, jobs: int, count: int) -> None:
+def print_planted(machine: str, seeds: range, jobs: int, count: int, only: str | None) -> None:
     """Run functions with planted events, and print how they end."""
-    found = [*chain(*Parallel(n_jobs=jobs)(delayed(planted)(machine, s, count) for s in seeds))]
+    found = [*chain(*Parallel(n_jobs=jobs)(delayed(planted)(machine, s, count, only) for s in seeds))]
     print(f"{machine}: {len(found)} planted events, seeds from {seeds[0]}")
     headers = ("cases", "done", "goes on", "safe stop", "neither", "support in the air", "torque [N·m]")
     print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
-    for event in EVENTS:
+    for event in dict.fromkeys(name for _, name, _ in found):
         rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 3)
         done, goes_on, safe = (rows[:, [0, -2, -1]] > 0.0).T
         air = rows[:, COORDINATED.index("air [ms]")] > 60.0
@@ -614,13 +616,13 @@ def main() -> None:
     parser.add_argument("--coordinated", action="store_true", help="the loop that tells its contacts")
     parser.add_argument("--faults", type=int, default=0, help="coordinated: planted events for each seed")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
-    parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, ..., or worn")
+    parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, ..., or worn; an event")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     if options.coordinated:
         for machine in (options.machine,) if options.machine else ("bleex", "cuhk"):
             if options.faults:
-                print_planted(machine, seeds, options.jobs, options.faults)
+                print_planted(machine, seeds, options.jobs, options.faults, options.motion)
             else:
                 print_coordinated(machine, seeds, options.jobs, options.motion)
         return

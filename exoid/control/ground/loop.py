@@ -37,7 +37,7 @@ BLENDING = 0.5
 SEEK, LONGEST = 0.2, 0.4
 """Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
 
-ASTRAY, UNLIKE, AGREES = 0.35, 0.4, 0.8
+ASTRAY, UNLIKE, AGREES = 0.45, 0.4, 1.2
 """Errors from which a machine is lost, of joints or pitch [rad] and of loads over the weight; time of the mean [s]."""
 
 BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
