@@ -82,7 +82,7 @@ from exoid.rig.ground import (
     simulate_on_ground,
 )
 from exoid.torques.model import TorqueModel
-from exoid.torques.payloads import _link_parameters, payload_parameters
+from exoid.torques.payloads import payload_parameters
 
 RATES = Rates(control=500.0, log=500.0, step=5e-4)
 TERMS = (exoid.Coulomb(smoothing=0.02), exoid.Viscous(), exoid.Armature())
@@ -435,7 +435,11 @@ def worn(truth: GroundPlant, model: exoid.Estimate, seed: int) -> tuple[GroundPl
     """Fix a wearer to the machine, drawn about the table, and the table to the estimate; with drives of 350 N·m."""
 
     def loaded(leg: exoid.Leg, bodies: list[Payload]) -> exoid.Leg:
-        model = with_dynamic_parameters(leg.model, leg.link_parameters + _link_parameters(leg, bodies))
+        links, added = dict(zip(leg.joint_names, leg.link_names, strict=True)), np.zeros((len(leg.bodies), 10))
+        for body in bodies:
+            inertia = pin.Inertia(body.mass, np.array(body.position), body.mass * body.gyration**2 * np.eye(3))
+            added[leg.bodies.index(links.get(body.joint, body.joint))] += inertia.toDynamicParameters()
+        model = with_dynamic_parameters(leg.model, leg.link_parameters + added.ravel())
         model.effortLimit = np.full(model.nv, 350.0)
         return replace(leg, model=model)
 
