@@ -222,5 +222,5 @@ def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:
         return data | {"advice": [advice._asdict() for advice in result.advice]}
     if isinstance(result, StancePlan):
         margins = {label: motion.margins for label, motion in zip(result.labels, result.motions, strict=True)}
-        return data | {"margins": margins, "missing": list(result.missing)}
+        return data | {"margins": margins}
     return data | {"peaks": json_value(result.peaks)} | attributes(result, "criterion", "seed", "costs")

@@ -24,7 +24,7 @@ from exoid.tools.numbers import checked
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .assess import assess
-from .precision import Precision, predict
+from .precision import Precision
 from .scales import TorqueNoise
 from .text import prediction_text
 
@@ -44,7 +44,6 @@ class StancePlan:
         recordings: Motions as logs of a machine that follows exactly, with contacts and the expected torques.
         precision: Predicted precision of each parameter.
         noise: Torque noise of the prediction.
-        missing: What further supports would determine.
     """
 
     model: TorqueModel
@@ -54,7 +53,6 @@ class StancePlan:
     recordings: tuple[Recording, ...]
     precision: Precision
     noise: TorqueNoise
-    missing: tuple[str, ...]
 
     @property
     def duration(self) -> float:
@@ -73,7 +71,9 @@ class StancePlan:
             f"rest; torque noise {self.noise}, joint by joint"
         ]
         head += [_describe(*each) for each in zip(self.motions, self.recordings, strict=True)]
-        return prediction_text("\n".join(head), self.precision, self.missing)
+        open_ = "not" in self.precision.identifiability
+        more = ["exoid plan --supports says on which links the rest can be determined"] if open_ else []
+        return prediction_text("\n".join(head), self.precision, more)
 
 
 def plan_stance(
@@ -115,8 +115,9 @@ def plan_stance(
 
     Example:
         >>> exo = exoid.load_exo("bleex", base="floating")
-        >>> plan_stance(exo, feet=("left", "right"), noise=(0.5, 0.4, 0.2) * 2).missing
-        ()
+        >>> plan = plan_stance(exo, feet=("left", "right"), noise=(0.5, 0.4, 0.2) * 2)
+        >>> "not" in plan.precision.identifiability
+        False
     """
     if not feet or len(set(feet)) < len(feet):
         raise BadArgumentError(f"supports {', '.join(feet) or 'none'}", remedy='name each once, e.g. ("both", "left")')
@@ -131,7 +132,10 @@ def plan_stance(
             remedy="use legs whose joint axes are parallel",
         )
     allowed = limits or MotionLimits.of(leg)
-    motions = tuple(_motion(plant, name, k, duration / len(feet), allowed, friction) for k, name in enumerate(feet))
+    stands, seconds = [_standing(plant, planar_legs(plant), name) for name in feet], duration / len(feet)
+    motions = tuple(
+        protocol_motion(plant, legs, seconds, allowed, friction=friction, number=k) for k, legs in enumerate(stands)
+    )
     recordings = tuple(_recording(plant, motion, rate) for motion in motions)
     found = assess(
         leg,
@@ -141,11 +145,6 @@ def plan_stance(
         noise_bandwidth=noise_bandwidth,
         limits=allowed,
     )
-    others = [name for name in (BOTH, *(limb.label for limb in leg.limbs)) if name and name not in feet]
-    more = {
-        name: _recording(plant, _motion(plant, name, len(feet), duration / len(feet), allowed, friction), rate)
-        for name in (others if "not" in found.precision.identifiability else ())
-    }
     model = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
     return StancePlan(
         model=model,
@@ -155,7 +154,6 @@ def plan_stance(
         recordings=recordings,
         precision=found.precision,
         noise=found.noise,
-        missing=_missing(model, found.precision, found.noise, recordings, more),
     )
 
 
@@ -173,14 +171,6 @@ def run_stance(plan: StancePlan, plant: GroundPlant | None = None) -> tuple[Grou
         ExoidError: MuJoCo is not installed, or the machine falls.
     """
     return tuple(follow(plant or plan.plant, each.motion, GAINS) for each in plan.motions)
-
-
-def _motion(
-    plant: GroundPlant, name: str, number: int, duration: float, limits: MotionLimits, friction: float
-) -> ProtocolMotion:
-    """Motion of the protocol on one support, as large as the limits allow."""
-    stands = _standing(plant, planar_legs(plant), name)
-    return protocol_motion(plant, stands, duration, limits, friction=friction, number=number)
 
 
 def _standing(plant: GroundPlant, legs: tuple[PlanarLeg, ...], name: str) -> tuple[PlanarLeg, ...]:
@@ -218,26 +208,6 @@ def _known_soles(leg: Leg) -> dict[str, Sole]:
         for link, sole in BLEEX_SOLES.items()
         if link in links and link_frame(leg.model, leg.description, link).body >= 0
     }
-
-
-def _missing(
-    model: TorqueModel,
-    precision: Precision,
-    noise: TorqueNoise,
-    recordings: Sequence[Recording],
-    more: Mapping[str, Recording],
-) -> tuple[str, ...]:
-    """Say which further supports would determine what these do not."""
-    loose, lines = {name for name, std in zip(precision.names, precision.std, strict=True) if np.isinf(std)}, []
-    for added in (*((name,) for name in more), tuple(more)):
-        after = predict(model, [*recordings, *(more[name] for name in added)], noise, precision.scales)
-        gained = [name for name, std in zip(after.names, after.std, strict=True) if name in loose and np.isfinite(std)]
-        if gained:
-            what = "all of them" if len(gained) == len(loose) else ", ".join(gained)
-            lines.append(f"with motions on {' and '.join(added)} as well: {what} can be determined")
-        if len(gained) == len(loose):
-            break
-    return tuple(lines)
 
 
 def _describe(found: ProtocolMotion, recording: Recording) -> str:
