@@ -223,4 +223,4 @@ def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:
     if isinstance(result, StancePlan):
         margins = {label: motion.margins for label, motion in zip(result.labels, result.motions, strict=True)}
         return data | {"margins": margins}
-    return data | {"peaks": json_value(result.peaks)} | attributes(result, "criterion", "seed", "costs")
+    return data | {"peaks": json_value(result.peaks)} | attributes(result, "criterion", "seed")

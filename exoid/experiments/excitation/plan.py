@@ -47,8 +47,6 @@ class Plan:
         rate: Rate of command and log [Hz].
         criterion: Criterion that was minimised.
         seed: Seed of the search.
-        costs: Criterion of the motions that the better starts led to, the best first: a relative standard deviation for
-            "worst".
         limits: Motion limits.
     """
 
@@ -59,7 +57,6 @@ class Plan:
     rate: float
     criterion: Criterion
     seed: int
-    costs: tuple[float, ...]
     limits: MotionLimits
 
     @property
@@ -171,17 +168,16 @@ def plan_excitation(
         rate=rate,
         pitches=np.deg2rad(np.asarray(tilts_deg, dtype=np.float64)),
     )
-    found = search(objective, criterion, starts, seed, progress)
-    recordings = [planned_recording(model, scales, motion, rate) for motion in found.motions]
+    motions = search(objective, criterion, starts, seed, progress)
+    recordings = [planned_recording(model, scales, motion, rate) for motion in motions]
     return Plan(
         model=model,
-        motions=found.motions,
+        motions=motions,
         precision=predict(model, recordings, torque_noise, scales),
         noise=torque_noise,
         rate=rate,
         criterion=criterion,
         seed=seed,
-        costs=tuple(float(np.exp(cost)) for cost in found.costs),
         limits=limits,
     )
 

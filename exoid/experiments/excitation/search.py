@@ -30,21 +30,13 @@ class Iterate(NamedTuple):
     x: FloatArray  # coefficients of the motions, flattened
 
 
-class SearchResult(NamedTuple):
-    """Result of a search."""
-
-    motions: tuple[FourierMotion, ...]  # best motions, one for each torso tilt
-    # value of the objective without penalty, for all starts that passed all stages, the best first
-    costs: tuple[float, ...]
-
-
 def search(
     objective: Objective,
     criterion: str,
     starts: int,
     seed: int,
     progress: Callable[[float], None] | None = None,
-) -> SearchResult:
+) -> tuple[FourierMotion, ...]:
     """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best."""
     report, (first, *later) = progress or (lambda _: None), STAGES[criterion]
     inner = objective.narrowed()
@@ -69,12 +61,9 @@ def search(
             finished.append(Iterate(objective(x, Stage(later[-1].power, 0.0))[0], x))
     if not finished:
         raise _no_motion(objective, iterate.x)
-    finished.sort(key=lambda iterate: iterate.cost)
-    motions = zip(objective.coefficients(finished[0].x), objective.pitches, strict=True)
-    return SearchResult(
-        tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in motions),
-        tuple(iterate.cost for iterate in finished),
-    )
+    best = min(finished, key=lambda iterate: iterate.cost)
+    motions = zip(objective.coefficients(best.x), objective.pitches, strict=True)
+    return tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in motions)
 
 
 def _minimise(objective: Objective, x: FloatArray, stage: Stage) -> Iterate:
