@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from typing import Any
 
 from exoid.codegen import CSource, write_c
@@ -14,7 +13,7 @@ from exoid.tools.tables import DataTable, Report
 
 from .data import EstimateData
 from .export import Export, export_urdf
-from .file import estimate_from_json, estimate_to_json, read_estimate, write_estimate
+from .file import estimate_to_json, read_estimate, write_estimate
 from .mjcf import MjcfExport, export_mjcf
 from .text import provenance, report
 
@@ -62,24 +61,9 @@ class Estimate(Report, EstimateData):
         """Turn the estimate into what JSON can hold, values by name.
 
         Returns:
-            All that :meth:`from_json` needs, and figures for other programs.
+            All that a file of :meth:`save` has: what :meth:`load` needs, and figures for other programs.
         """
         return estimate_to_json(self)
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Estimate:
-        """Rebuild an estimate from what :meth:`to_json` made.
-
-        Args:
-            data: The estimate as JSON holds it.
-
-        Returns:
-            The estimate.
-
-        Raises:
-            ExoidError: Names of the values do not fit the leg and terms, or the URDF was changed.
-        """
-        return estimate_from_json(data, cls)
 
     def to_urdf(self, path: str | os.PathLike[str], *, pull: float = PULL, mass_factor: float = MASS_FACTOR) -> Export:
         """Write the leg's URDF with identified inertias and friction.

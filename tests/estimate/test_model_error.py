@@ -8,6 +8,7 @@ from swings import Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Viscous
+from exoid.estimate.file import estimate_from_json
 from exoid.estimate.model_error import COUNT, with_alternatives
 from exoid.torques import Presliding
 
@@ -164,4 +165,4 @@ def test_a_model_error_of_another_leg_is_refused(estimates):
     data = estimates["stribeck"].to_json()
     data["model_error"]["speed"] = data["model_error"]["speed"][:1]
     with pytest.raises((exoid.ExoidError, ValueError)):
-        Estimate.from_json(data)
+        estimate_from_json(data, Estimate)
