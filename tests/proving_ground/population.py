@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+import pinocchio as pin
 
 import exoid
 from exoid import ExoidError, Recording
@@ -133,6 +134,16 @@ def without_gravity(machine: Machine, recording: Recording) -> Recording:
     return replace(recording, tau=recording.tau - driven * machine.leg(believed=False).gravity(recording.q))
 
 
+def elastic(machine: Machine, joint: int) -> Log:
+    """Log a motion with a spring of 5 Hz, with the other joints locked, between the encoder of a joint and its link."""
+    inertia = pin.crba(leg := machine.leg(believed=False).model, leg.createData(), np.zeros(leg.nq))[joint, joint]
+    joints = [*machine.joints]
+    joints[joint] = replace(joints[joint], spring=float((2.0 * np.pi * 5.0) ** 2 * inertia))
+    machine = replace(machine, joints=tuple(joints))
+    log, turn = simulate(machine, TRAINING), 2.0 * np.pi / 2**machine.sensing.bits
+    return replace(log, recording=replace(log.recording, q=turn * np.round(log.truth.rotor[0] / turn)))
+
+
 MISTAKES: dict[str, tuple[Spoil, str]] = {
     "sign of one torque": (column("tau", lambda x, _: -x), "torque-sign"),
     "one torque 40 ms late": (column("tau", late(0.04)), "torque-delay"),
@@ -145,6 +156,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
         "two-clocks",
     ),
     "efforts without gravity": (lambda r, _: r, "gravity-compensated-effort"),
+    "an elastic joint": (lambda r, _: r, "elastic-joint"),
     "one torque 25 ms late": (column("tau", late(0.025)), "torque-delay"),
     "all torques 20 ms late": (
         lambda r, _: replace(r, tau=np.column_stack([late(0.02)(x, r) for x in r.tau.T])),
@@ -184,7 +196,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
 """Mistakes of a log, and the kind of finding that names them."""
 
 OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
-OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks")
+OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint")
 """Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 
@@ -313,7 +325,7 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
         return
     if kind == "gravity-compensated-effort":
         recording = without_gravity(outcome.machine, recording)
-    spoiled = spoil(recording, joint)
+    spoiled = elastic(outcome.machine, joint).recording if kind == "elastic-joint" else spoil(recording, joint)
     found = exoid.check(leg, spoiled)
     name = recording.joint_names[joint]
     labels = {name, leg.joint_labels[joint]}

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -23,6 +24,7 @@ from exoid.torques import Coulomb, Motion, TorqueModel
 from .arms import ArmShapes
 
 STEP = 1e-4  # of finite differences [rad, or a part of the quantity]
+TWIST = 0.05  # standard deviation of the Gaussian that smooths the torque which twists an elastic joint [s]
 
 
 class Column(NamedTuple):
@@ -183,6 +185,26 @@ def _clock(at: _Point, _: int, __: int) -> FloatArray:
     return 2.0 * (at.of_leg - at.regressor_torque(at.of.model.leg, at.motion._replace(v=still, a=still)))
 
 
+def _compliance(at: _Point, j: int, _: int) -> FloatArray:
+    """Change by 1 rad/(N·m) between encoder and link, whose motion lacks that times its torque and derivatives."""
+    rate, torque = at.of.rate, at.of_leg[j]
+    twist = [torque, np.zeros_like(torque), np.zeros_like(torque)]
+    if at.of.moving:
+        # A link follows its motor below its resonance only: above, derivatives would amplify noise and what friction
+        # does. Accelerations at the ends of a log are wrong, and would spread.
+        ends = min(int(2.0 * TWIST * rate) + 1, (len(torque) - 1) // 3)
+        smooth = np.pad(torque[ends:-ends], 3 * ends, "reflect", reflect_type="odd")
+        of_order = (scipy.ndimage.gaussian_filter1d(smooth, TWIST * rate, order=k) * rate**k for k in range(3))
+        twist = [x[2 * ends : -2 * ends] for x in of_order]
+    if not at.by_differences:
+        return np.asarray(-sum(slope[:, :, j].T * x for slope, x in zip(at.slopes, twist, strict=True)))
+    step = STEP / max(float(np.abs(twist[:2]).max()), 1e-12)
+    q, v, a = (x.copy() for x in at.motion[:3])
+    for x, change in zip((q, v, a), twist, strict=True):
+        x[:, j] -= step * change
+    return (at.regressor_torque(at.of.model.leg, Motion(q, v, a, at.motion.torso)) - at.of_leg) / step
+
+
 def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
     """Friction that falls off at a quarter of the RMS speed."""
     slow = 0.25 * max(float(at.of.speed[j]), 1e-6)
@@ -200,6 +222,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "gravity": _gravity,
     "length": _length,
     "clock": _clock,
+    "compliance": _compliance,
     "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
     "force": lambda at, _, other: at.motion.q[:, other],
     "force²": lambda at, j, _: at.motion.q[:, j] ** 2,
@@ -211,5 +234,5 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 }
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
-OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock")
+OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock", "compliance")
 """Columns that act on the torques of all joints."""

@@ -140,6 +140,13 @@ KINDS = {
         "the moment arm of the actuator at {joint} has another shape than described: as if the {form} {displaced}",
         "measure both attachment points in the frames of their links, or the moment arm over the angle",
     ),
+    "elastic-joint": Kind(
+        None,
+        "{joint} is elastic between its encoder and its link, which the model lacks: {x:.3g} N·m/rad",
+        "subtract torque over stiffness from that angle, or log the angle of the link, too, and give the drive: "
+        "exoid.actuators.SeriesElastic with the stiffness of the spring",
+        value=lambda delta: 1.0 / delta,
+    ),
     "cross-talk": Kind(
         5e-3,
         "the torque sensor of {joint} also sees the torques of other joints ({largest:.1%})",
@@ -200,6 +207,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             faults.append(Nuisance("cross-talk", joint, j, "1", mixed))
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j)))
+        faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add("compliance", j)))
         if j in arms:
             arm = add("arm", j, 0, 1)
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))

@@ -126,6 +126,8 @@ def _is_scaled(score: Score) -> bool:
 
 def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
+    if score.nuisance.kind == "elastic-joint" and score.delta[0] < 0.0:  # no spring
+        return False
     ease = COMMON if _is_late(score) else 1.0
     least = SMALLEST_MOVE if ease == 1.0 else 0.5 * SMALLEST_MOVE
     return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > least)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from logs import clean, late, of_kind, with_column
+from swings import Swing
 
 import exoid
 
@@ -56,6 +57,22 @@ def late_velocity(log):
     v = np.gradient(log.q, axis=0) * log.sample_rate
     v[:, 1] = np.interp(log.time - 0.05, log.time, v[:, 1])
     return dataclasses.replace(log, v=v)
+
+
+def behind_a_spring(log):
+    """Let a spring of 300 N·m/rad bear the torque of the knee's link, behind its encoder and its friction."""
+    leg, _ = clean()
+    swing = Swing(leg, seconds=30.0, seed=1, smoothing=0.015)
+    twist = leg.inverse_dynamics(*swing.motion)[:, 1] / 300.0
+    of_link, of_motor = (swing.coulomb[1] * np.tanh(v / 0.015) + swing.viscous[1] * v for v in speeds(swing, twist))
+    behind = with_column(log, "q", 1, lambda x: x + twist)
+    return with_column(behind, "tau", 1, lambda x: x + of_motor - of_link)
+
+
+def speeds(swing, twist):
+    """Velocities of the knee's link and of its motor."""
+    v = swing.motion[1][:, 1]
+    return v, v + np.gradient(twist) * swing.rate
 
 
 def about(value, size):
@@ -111,6 +128,7 @@ FAULTS = {
     "cross-talk": Fault(
         lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
     ),
+    "an elastic joint": Fault(behind_a_spring, "elastic-joint", 1, about(300.0, 30.0)),
     "a slow clock": Fault(
         lambda log: dataclasses.replace(log, time=0.98 * log.time), "clock", None, about(-0.02, 0.004)
     ),
