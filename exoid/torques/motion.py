@@ -34,6 +34,7 @@ class Motion(NamedTuple):
         states: Internal states by joint, (N,) each.
         payload: Torque of payloads less Σ Jᵀw of measured wrenches w on links [N·m], (N, n); None without both.
         computed: Joints whose torque follows from the reading of their drive, (n,); None for none.
+        measured: Measured torque [N·m], (N, n), on which no column of a parameter depends; None if nobody needs it.
     """
 
     q: FloatArray
@@ -43,6 +44,7 @@ class Motion(NamedTuple):
     states: Mapping[tuple[int, Presliding], FloatArray] = MappingProxyType({})
     payload: FloatArray | None = None
     computed: NDArray[np.bool_] | None = None
+    measured: FloatArray | None = None
 
     def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
         """Select rows; consecutive ones are not copied.
@@ -55,8 +57,8 @@ class Motion(NamedTuple):
         """
         torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
         states = {key: state[rows] for key, state in self.states.items()}
-        payload = None if self.payload is None else self.payload[rows]
-        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed)
+        payload, measured = (None if x is None else x[rows] for x in (self.payload, self.measured))
+        return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed, measured)
 
 
 def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -> MovingBase:

@@ -24,7 +24,7 @@ from exoid.torques import Coulomb, Motion, TorqueModel
 from .arms import ArmShapes
 
 STEP = 1e-4  # of finite differences [rad, or a part of the quantity]
-TWIST = 0.05  # standard deviation of the Gaussian that smooths the torque which twists an elastic joint [s]
+LOADED, FOLLOWED = 0.05, 0.02  # standard deviations of Gaussians: of a joint's load, and of its effect on the angle [s]
 
 
 class Column(NamedTuple):
@@ -186,16 +186,32 @@ def _clock(at: _Point, _: int, __: int) -> FloatArray:
 
 
 def _compliance(at: _Point, j: int, _: int) -> FloatArray:
-    """Change by 1 rad/(N·m) between encoder and link, whose motion lacks that times its torque and derivatives."""
-    rate, torque = at.of.rate, at.of_leg[j]
-    twist = [torque, np.zeros_like(torque), np.zeros_like(torque)]
+    """Change by 1 rad/(N·m) between encoder and link."""
+    torque = at.of_leg[j]
     if at.of.moving:
         # A link follows its motor below its resonance only: above, derivatives would amplify noise and what friction
         # does. Accelerations at the ends of a log are wrong, and would spread.
-        ends = min(int(2.0 * TWIST * rate) + 1, (len(torque) - 1) // 3)
-        smooth = np.pad(torque[ends:-ends], 3 * ends, "reflect", reflect_type="odd")
-        of_order = (scipy.ndimage.gaussian_filter1d(smooth, TWIST * rate, order=k) * rate**k for k in range(3))
-        twist = [x[2 * ends : -2 * ends] for x in of_order]
+        ends = min(int(2.0 * LOADED * at.of.rate) + 1, (len(torque) - 1) // 3)
+        inner = np.pad(torque[ends:-ends], ends, "reflect", reflect_type="odd")
+        torque = scipy.ndimage.gaussian_filter1d(inner, LOADED * at.of.rate)
+    return _behind(at, j, torque)
+
+
+def _play(at: _Point, j: int, _: int) -> FloatArray:
+    """Change by 1 rad of play to each side between encoder and link, which rests on the side of its load."""
+    # The load is what was measured less friction, which is in front of the gear: the model's has the jumps of the angle
+    assert at.motion.measured is not None
+    load = at.motion.measured[:, j] - (at.torque - at.of_leg)[j]
+    load = scipy.ndimage.gaussian_filter1d(load, LOADED * at.of.rate) if at.of.moving else load
+    return _behind(at, j, np.sign(load))
+
+
+def _behind(at: _Point, j: int, lag: FloatArray) -> FloatArray:
+    """Change of the torque where a link is behind its encoder by an angle (N,), and its motion by the derivatives."""
+    twist = [lag, np.zeros_like(lag), np.zeros_like(lag)]
+    if at.of.moving:
+        width = FOLLOWED * at.of.rate
+        twist = [scipy.ndimage.gaussian_filter1d(lag, width, order=k) * at.of.rate**k for k in range(3)]
     if not at.by_differences:
         return np.asarray(-sum(slope[:, :, j].T * x for slope, x in zip(at.slopes, twist, strict=True)))
     step = STEP / max(float(np.abs(twist[:2]).max()), 1e-12)
@@ -223,6 +239,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "length": _length,
     "clock": _clock,
     "compliance": _compliance,
+    "play": _play,
     "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
     "force": lambda at, _, other: at.motion.q[:, other],
     "force²": lambda at, j, _: at.motion.q[:, j] ** 2,
@@ -234,5 +251,5 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 }
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
-OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock", "compliance")
+OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock", "compliance", "play")
 """Columns that act on the torques of all joints."""

@@ -140,6 +140,11 @@ KINDS = {
         "the moment arm of the actuator at {joint} has another shape than described: as if the {form} {displaced}",
         "measure both attachment points in the frames of their links, or the moment arm over the angle",
     ),
+    "play": Kind(
+        None,
+        "{joint} has play between its encoder and its link, {milli:.2g} mrad to each side of the middle",
+        "take the play out of the gear, or log the angle of the link",
+    ),
     "elastic-joint": Kind(
         None,
         "{joint} is elastic between its encoder and its link, which the model lacks: {x:.3g} N·m/rad",
@@ -207,6 +212,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             faults.append(Nuisance("cross-talk", joint, j, "1", mixed))
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j)))
+        faults.append(Nuisance("play", joint, j, "rad", add("play", j)))
         faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add("compliance", j)))
         if j in arms:
             arm = add("arm", j, 0, 1)

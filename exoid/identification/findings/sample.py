@@ -168,9 +168,10 @@ def _rows(
     drift = len(model.names) + next(k for k, column in enumerate(columns) if column.kind == "drift")
     nuisances = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
     every = WithColumns(model, (nuisances,) if other is None else (nuisances, other))
-    if other is not None:
-        assert isinstance(prepared.motion, Motion)
-        prepared = prepared._replace(motion=other.motion(prepared.motion))
+    assert isinstance(prepared.motion, Motion)
+    assert one.tau is not None
+    motion = prepared.motion._replace(measured=np.nan_to_num(one.tau))
+    prepared = prepared._replace(motion=motion if other is None else other.motion(motion))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., drift] *= (rows.time - fitted.clock_start(one))[:, None]
     return rows

@@ -126,7 +126,7 @@ def _is_scaled(score: Score) -> bool:
 
 def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
-    if score.nuisance.kind == "elastic-joint" and score.delta[0] < 0.0:  # no spring
+    if score.nuisance.kind in ("elastic-joint", "play") and score.delta[0] < 0.0:  # a link is not ahead of its load
         return False
     ease = COMMON if _is_late(score) else 1.0
     least = SMALLEST_MOVE if ease == 1.0 else 0.5 * SMALLEST_MOVE

@@ -59,14 +59,18 @@ def late_velocity(log):
     return dataclasses.replace(log, v=v)
 
 
-def behind_a_spring(log):
-    """Let a spring of 300 N·m/rad bear the torque of the knee's link, behind its encoder and its friction."""
-    leg, _ = clean()
-    swing = Swing(leg, seconds=30.0, seed=1, smoothing=0.015)
-    twist = leg.inverse_dynamics(*swing.motion)[:, 1] / 300.0
-    of_link, of_motor = (swing.coulomb[1] * np.tanh(v / 0.015) + swing.viscous[1] * v for v in speeds(swing, twist))
-    behind = with_column(log, "q", 1, lambda x: x + twist)
-    return with_column(behind, "tau", 1, lambda x: x + of_motor - of_link)
+def behind(lag):
+    """Let the knee's link follow its motor, which has the encoder and the friction, by an angle of its torque."""
+
+    def spoil(log):
+        leg, _ = clean()
+        swing = Swing(leg, seconds=30.0, seed=1, smoothing=0.015)
+        twist = lag(leg.inverse_dynamics(*swing.motion)[:, 1])
+        of_link, of_motor = (swing.coulomb[1] * np.tanh(v / 0.015) + swing.viscous[1] * v for v in speeds(swing, twist))
+        turned = with_column(log, "q", 1, lambda x: x + twist)
+        return with_column(turned, "tau", 1, lambda x: x + of_motor - of_link)
+
+    return spoil
 
 
 def speeds(swing, twist):
@@ -128,7 +132,8 @@ FAULTS = {
     "cross-talk": Fault(
         lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
     ),
-    "an elastic joint": Fault(behind_a_spring, "elastic-joint", 1, about(300.0, 30.0)),
+    "play in a gear": Fault(behind(lambda load: 0.001 * np.tanh(load / 0.1)), "play", 1, about(0.00125, 0.0003)),
+    "an elastic joint": Fault(behind(lambda load: load / 300.0), "elastic-joint", 1, about(300.0, 30.0)),
     "a slow clock": Fault(
         lambda log: dataclasses.replace(log, time=0.98 * log.time), "clock", None, about(-0.02, 0.004)
     ),
