@@ -107,7 +107,10 @@ def rocking_logs(exo, sole, plates=False):
     return [replace(log.recording, wrenches=of_log) for log, of_log in zip(every, wrenches, strict=True)]
 
 
-@pytest.mark.parametrize(("sole", "plates"), [(np.zeros_like, False), (rocking, False), (rocking, True)])
+@pytest.mark.parametrize(
+    ("sole", "plates"),
+    [(np.zeros_like, False), (rocking, False), pytest.param(rocking, True, marks=pytest.mark.slow)],
+)
 def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, sole, plates):
     """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
     estimate = exoid.identify(exo, rocking_logs(exo, sole, plates), TERMS, check=False)
