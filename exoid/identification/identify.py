@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TypedDict, Unpack, overload
 
@@ -16,7 +17,7 @@ from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals import Poses, Preparation, Recording
 from exoid.torques import Term
 
-from .checkup import with_noise_checked, without_delays
+from .checkup import rounding_errors, with_noise_checked, without_delays
 from .drive_constants import search_constants
 from .drives import Drives
 from .estimators import Estimator
@@ -175,6 +176,9 @@ def identify(
     source = "passed to identify" if preparation is None else "that of the preparation passed to identify"
     source = "chosen by the noise of the angles" if by_noise else source
     result = Result.of(fitted, chosen, source, white=noise == "white")
+    doubt, found = rounding_errors(fitted, chosen, result.covariance) if check else (0.0, ())
+    fitted = fitted._replace(findings=(*fitted.findings, *found))
+    result = replace(result, fitted=fitted, covariance=result.covariance + doubt)
     if problem.groups[0].name == "":
         estimate = result.estimate(0, result.warnings, check=check)
         return share_alike(estimate, alike) if alike else estimate

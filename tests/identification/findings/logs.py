@@ -11,12 +11,12 @@ import exoid
 
 @cache
 def clean(name="bleex", seed=1, seconds=30.0):
-    """Leg and log: exact torques with white noise of one percent, angles of 16 bits."""
+    """Leg and log: exact torques with white noise of one percent, angles of 18 bits."""
     leg = exoid.load_leg(name)
     swing = Swing(leg, seconds=seconds, seed=seed, smoothing=0.015)
     rng = np.random.default_rng(seed)
     noise = 0.01 * swing.torque.std(axis=0) * rng.standard_normal(swing.torque.shape)
-    quantum = 2.0 * np.pi / 2**16
+    quantum = 2.0 * np.pi / 2**18  # coarser rounding, the same every 10 s, is a finding
     q = quantum * np.round(swing.motion[0] / quantum)
     return leg, swing.recording(q=q, v=None, a=None, tau=swing.torque + noise)
 

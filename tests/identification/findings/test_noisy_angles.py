@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from swings import Swing
+from swings import TERMS, Swing
 
 import exoid
 from exoid.experiments import ground
@@ -34,6 +34,22 @@ def test_noise_that_shrinks_parameters_is_named_with_them(options, severity):
 @pytest.mark.parametrize(("noise", "cutoff"), [(0.0, 20.0), (1e-6, 20.0), (1e-4, 5.0), (2e-3, None)])
 def test_a_filter_that_takes_the_noise_out_has_none(noise, cutoff):
     assert not found(noise, cutoff=cutoff)
+
+
+@pytest.mark.parametrize(("base", "repeats"), [(1.0, True), (0.4713, False)])
+def test_rounding_that_is_the_same_in_each_stride_is_part_of_intervals(base, repeats):
+    """Each of 40 strides has the same errors: 6 of 10 intervals held, and nothing said so."""
+    leg, count = exoid.load_leg("cuhk"), 2.0 * np.pi / 4096
+    swing, held = Swing(leg, 100.0, 40.0, base=base, smoothing=0.015), []
+    for seed in range(3):
+        log = replace(swing.with_noise(np.random.default_rng(seed), 0.05), v=None, a=None)
+        estimate = exoid.identify(leg, replace(log, q=count * np.round(log.q / count)), TERMS)
+        found = [one for one in estimate.findings if one.kind == "noisy-angles"]
+        assert bool(found) == repeats
+        assert {one.severity for one in found} <= {"info"}
+        low, high = estimate.interval().T
+        held.append((low < swing.truth) & (swing.truth < high))
+    assert np.mean(held) >= 0.9
 
 
 @pytest.mark.nightly
