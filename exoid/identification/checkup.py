@@ -111,7 +111,7 @@ def rounding_errors(
     changes = values[1:] - values[0]
     doubt = 2.0 / len(changes) * changes.T @ changes
     grown = np.sqrt(1.0 + np.diag(doubt) / np.maximum(np.diag(covariance), np.finfo(float).tiny))
-    names = tuple(problem.names[k] for k in np.argsort(-grown) if grown[k] > 1.1)
+    names = tuple(problem.names[k] for k in np.argsort(-grown) if grown[k] > 1.25)
     if doubt.shape != covariance.shape or not names:
         return none, ()
     most = float(grown.max())
