@@ -195,8 +195,11 @@ class Coordinator:
             planned = function.expected(memory.phase)
             leaving = memory.known - function.expected(memory.phase + self.transfer / function.duration)
         kept = []
-        for name in memory.known:  # a foot that is planned in the air needs proof that lasts
-            proven = name in planned or memory.settled >= self.lasts
+        for name in (
+            *SIDES,
+            SEAT,
+        ):  # a foot that is planned in the air needs proof that lasts; the order of a set varies
+            proven = name in memory.known and (name in planned or memory.settled >= self.lasts)
             if proven and bears[name] >= (self.likely if doubt and name in planned else CERTAIN):
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]

@@ -365,22 +365,19 @@ class ContactFilter:
         least = np.full(K, np.inf)  # distance of the best set
         seat = self.model.leg.description.root_link
         for h, links in enumerate(self.sets):
-            grades = (LIGHT, 1.0) if seat in links else (1.0,)
-            both = [
-                self._bear(white, [loads[x] * (g if x == seat else 1.0) for x in self.soles if x in links])
-                for g in grades
-            ]
+            bear, grades = [link for link in self.soles if link in links], (LIGHT, 1.0) if seat in links else (1.0,)
+            both = [self._bear(white, [loads[x] * (g if x == seat else 1.0) for x in bear]) for g in grades]
             y, distance, _ = both[-1]
             likelihood[:, h] = np.logaddexp.reduce([score for *_, score in both]) - np.log(len(both))
             least = np.minimum(least, distance)
             own = [k for k, link in enumerate(self.soles) if link in links]
-            for one, other in combinations((link for link in self.soles if link in links), 2):
+            for one, other in combinations(bear, 2):
                 apart = ((speeds[one] - speeds[other]) ** 2).sum(axis=1)  # whatever the velocity of the base is
                 likelihood[:, h] -= np.minimum(0.5 * apart / noise.slide**2, 20.0)
             if own:
                 each = y[..., 0].reshape(K, len(own), 3)
                 wrenches[:, h, own] = each * self._prior
-                for k, link in enumerate(link for link in self.soles if link in links):
+                for k, link in enumerate(bear):
                     force = np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k])
                     likelihood[:, h] -= self._impossible(force, up, LEAST if link == seat else 0.0)
         wide = np.linalg.inv(L) * (self._weight * np.repeat([1.0, 0.3], [2, b + n - 2]))

@@ -37,8 +37,8 @@ BLENDING = 0.5
 SEEK, LONGEST = 0.2, 0.4
 """Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
 
-ASTRAY, UNLIKE, AGREES = 0.45, 0.4, 1.2
-"""Errors from which a machine is lost, of joints or pitch [rad] and of loads over the weight; time of the mean [s]."""
+ASTRAY, UNLIKE, AGREES, HOLDS = 0.45, 0.4, 1.2, 0.02
+"""Errors of a lost machine: posture [rad], mean loads over the weight, its time [s]; posture that holds [rad]."""
 
 BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
 """Time for which the accelerometer tells a velocity [s], that of a sole at rest [m/s], and slips that count [m]."""
@@ -273,9 +273,10 @@ class CoordinatedLoop(LawLoop):
 
     def _lost(self, reading: GroundReading) -> bool:
         """Whether a sole slips on, or at all before a seat, or posture or loads are far from what is wanted."""
-        far = self._x is not None and np.abs(np.append(reading.q, reading.pitch) - self._x).max() > ASTRAY
-        most = NOTICED if SEAT in self._memory.known else LOST
-        return bool(far) or self._beside > UNLIKE or max(self._slipped.values(), default=0.0) > most
+        far = 0.0 if self._x is None else float(np.abs(np.append(reading.q, reading.pitch) - self._x).max())
+        unlike = self._beside > UNLIKE and far > HOLDS  # how feet share a load in a posture that holds is no loss
+        slips = max(self._slipped.values(), default=0.0) > (NOTICED if SEAT in self._memory.known else LOST)
+        return far > ASTRAY or unlike or slips
 
     def _follow(self, function: str, phase: float, reading: GroundReading, bears: Contacts) -> GroundTarget:
         """Reference of the function that runs, given the last one and its phase; the safe stop stays where it is."""
