@@ -195,12 +195,10 @@ class Coordinator:
             planned = function.expected(memory.phase)
             leaving = memory.known - function.expected(memory.phase + self.transfer / function.duration)
         kept = []
-        for name in (
-            *SIDES,
-            SEAT,
-        ):  # a foot that is planned in the air needs proof that lasts; the order of a set varies
-            proven = name in memory.known and (name in planned or memory.settled >= self.lasts)
-            if proven and bears[name] >= (self.likely if doubt and name in planned else CERTAIN):
+        for name in (*SIDES, SEAT):  # not in the order of a set, which varies
+            proven = name in planned or memory.settled >= self.lasts  # a foot planned in the air needs lasting proof
+            least = self.likely if doubt and name in planned else CERTAIN
+            if name in memory.known and proven and bears[name] >= least:
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]
         level = "damping" if memory.lost > 0.0 else "support" if known else "frozen" if held or feet else "damping"
