@@ -9,11 +9,11 @@ ROOMS = Path(__file__).resolve().parents[2] / "exoid"
 BUDGET = {  # what a room may have now, and what the design asks for
     "actuators": (1590, 1500),
     "cli": (2719, 2500),
-    "codegen": (1610, 2000),
-    "control": (7119, 5000),
-    "estimate": (3546, 2900),
-    "experiments": (3682, 3200),
-    "identification": (7661, 7200),
+    "codegen": (1604, 2000),
+    "control": (7118, 5000),
+    "estimate": (3529, 2900),
+    "experiments": (3554, 3200),
+    "identification": (7779, 7200),
     "lab": (4634, 5000),
     "leg": (4569, 4200),
     "online": (1509, 1500),
@@ -21,7 +21,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "rig": (3584, 3200),
     "signals": (6086, 5300),
     "tools": (1126, 1800),
-    "torques": (2833, 2800),
+    "torques": (2762, 2800),
     "view": (3715, 3400),
 }
 
