@@ -15,6 +15,7 @@ from faulty_logs import (
     dropped,
     frozen,
     gapped,
+    geared,
     held,
     in_degrees,
     late,
@@ -136,4 +137,8 @@ DISTURBANCES = (
     Corruption("torque in mN·m", ("torque-scale",), None, (1000.0,), torque(scaled, None)),
     Corruption("torque is noise", ("large-residual",), None, (1.0,), torque(only_noise, None)),
     Corruption("strap [N/m]", ("unmodelled-force",), None, (20.0, 50.0), strapped),
+    Corruption("play, joint 2 [rad]", ("play",), 1, (0.001, 0.003), geared(lambda x, way: way * np.tanh(x / 0.03))),
+    Corruption(
+        "elastic joint 2, RMS twist [rad]", ("elastic-joint",), 1, (0.005, 0.02), geared(lambda x, twist: twist * x)
+    ),
 )

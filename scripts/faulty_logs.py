@@ -338,6 +338,22 @@ def slow_clock(log: Log, part: float, _: np.random.Generator) -> Log:
     return changed(log, time=log.recordings[0].time * (1.0 - part))
 
 
+def geared(lag: Callable[[FloatArray, float], FloatArray]) -> Callable[..., Log]:
+    """Let the link of joint 2 lag behind its encoder, which its friction is beside, by an angle of its load."""
+
+    def apply(log: Log, size: float, _: np.random.Generator) -> Log:
+        one = log.recordings[0]
+        label = TorqueModel(log.leg, exoid.torques.DEFAULT_TERMS).joint_labels[1]
+        v = np.gradient(one.q[:, 1]) * RATE
+        friction = log.truth[f"c0_{label}"] * np.tanh(v / exoid.Coulomb().smoothing) + log.truth[f"d_{label}"] * v
+        load = scipy.ndimage.gaussian_filter1d(one.tau[:, 1] - friction, 0.03 * RATE)  # without noise
+        q = np.array(one.q)
+        q[:, 1] += lag(load / np.std(load), size)
+        return changed(log, q=QUANTUM * np.round(q / QUANTUM))
+
+    return apply
+
+
 def wrapped(log: Log, size: float, _: np.random.Generator) -> Log:
     """Wrap the angle of the second joint at some angle [rad]."""
     q = np.array(log.recordings[0].q)

@@ -14,7 +14,7 @@ from exoid.estimate.finding import Finding, Severity
 from exoid.estimate.model_error import ModelError
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
-from exoid.signals import Poses, Recording, without_torque_delay
+from exoid.signals import Poses, Recording, Recordings, without_torque_delay
 from exoid.signals.cutoff import white_noise
 
 from .estimators import Estimator
@@ -100,7 +100,8 @@ def rounding_errors(
     # Such errors move parameters as one stride would, and no residual shows it: those of counts that begin elsewhere
     # tell their size. Four of them have a t distribution whose quantile is √2 times the normal one.
     problem, none = fitted.problem, np.zeros_like(covariance)
-    every = [one for group in problem.groups for one in few_of(group.data)]
+    in_memory = (group.data for group in problem.groups if not isinstance(group.data, Recordings))
+    every = (one for data in in_memory for one in data)
     if not any(isinstance(one, Recording) and one.a is None and rounding_repeats(one.q) for one in every):
         return none, ()
     try:
