@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -79,9 +79,7 @@ def _noisier(problem: Problem, sign: float) -> Problem:
     """Add noise of its own size to motions whose accelerations are derived."""
     rng = np.random.default_rng(0)
 
-    def once_more(one: Recording | Poses) -> Recording | Poses:
-        if not isinstance(one, Recording) or one.a is not None:
-            return one
+    def once_more(_: Group, one: Recording) -> Recording:
         noisy = replace(one, q=one.q + sign * white_noise(one.q) * rng.standard_normal(one.q.shape))
         if one.base is None or one.base.pose is not None:
             return noisy
@@ -89,7 +87,16 @@ def _noisier(problem: Problem, sign: float) -> Problem:
         gyro, force = np.hsplit(columns + sign * white_noise(columns) * rng.standard_normal(columns.shape), 2)
         return replace(noisy, base=replace(one.base, angular_velocity=gyro, specific_force=force))
 
-    groups = (replace(group, data=[once_more(one) for one in few_of(group.data)]) for group in problem.groups)
+    return _with_motions(problem, once_more)
+
+
+def _with_motions(problem: Problem, change: Callable[[Group, Recording], Recording]) -> Problem:
+    """Change motions whose accelerations are derived; of many logs on disk a few remain."""
+
+    def changed(group: Group, one: Recording | Poses) -> Recording | Poses:
+        return change(group, one) if isinstance(one, Recording) and one.a is None else one
+
+    groups = (replace(group, data=[changed(group, one) for one in few_of(group.data)]) for group in problem.groups)
     return replace(problem, groups=tuple(groups))
 
 
@@ -105,7 +112,11 @@ def rounding_errors(
     if not any(isinstance(one, Recording) and one.a is None and rounding_repeats(one.q) for one in every):
         return none, ()
     try:
-        fits = [fit_linear(_rounded_again(problem, shift), estimator) for shift in (None, 0.2, 0.4, 0.6, 0.8)]
+        again = (
+            _with_motions(problem, lambda _, one: one),
+            *(_rounded_again(problem, x) for x in (0.2, 0.4, 0.6, 0.8)),
+        )
+        fits = [fit_linear(each, estimator) for each in again]
     except ExoidError:
         return none, ()
     values = np.array([one.fit.solution.values for one in fits])
@@ -127,7 +138,8 @@ def rounding_errors(
 def rounding_repeats(q: FloatArray) -> bool:
     """Whether encoders round a motion that repeats in the same way each time, by at most 20 000 samples."""
     # Eighth differences leave of a slow motion its rounding, of variance (16 over 8) / 12 counts². From 20 samples on
-    # white noise is no longer like itself; sums of fewer products are smaller.
+    # white noise is no longer like itself; sums of fewer products are smaller. What is 0.3 to 2 times as large as
+    # rounding is rounding, and repeats where a later stretch is more than half alike.
     q = q[:20_000]
     rough, half = np.diff(q, 8, axis=0), len(q) // 2
     if half <= 20:
@@ -138,19 +150,16 @@ def rounding_repeats(q: FloatArray) -> bool:
     return bool(((size > 0.3) & (size < 2.0)) @ (alike.max(axis=0, initial=0.0) > 0.5 * np.sum(rough**2, axis=0)))
 
 
-def _rounded_again(problem: Problem, shift: float | None) -> Problem:
-    """Add the rounding of counts that begin elsewhere; None for the problem as it is."""
+def _rounded_again(problem: Problem, shift: float) -> Problem:
+    """Add the rounding of counts that begin elsewhere."""
 
-    def once_more(group: Group, one: Recording | Poses) -> Recording | Poses:
-        if shift is None or not isinstance(one, Recording) or one.a is not None:
-            return one
+    def once_more(group: Group, one: Recording) -> Recording:
         assert group.preparation is not None
         count = np.array([max(quantum(x), 1e-9) for x in one.q.T])
         smooth = group.preparation.filter(one.q, one.sample_rate) / count + shift
         return replace(one, q=one.q + count * (np.round(smooth) - smooth))
 
-    groups = (replace(group, data=[once_more(group, one) for one in few_of(group.data)]) for group in problem.groups)
-    return replace(problem, groups=tuple(groups))
+    return _with_motions(problem, once_more)
 
 
 def without_delays(problem: Problem, fitted: Fitted) -> Problem:

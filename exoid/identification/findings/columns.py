@@ -94,29 +94,24 @@ class _Point:
         widths = (term.smoothing for term in terms if term.smoothing > 0.0)
         return np.tanh(sharper * self.motion.v[:, j] / next(widths, 0.05))
 
-    @property
-    def by_differences(self) -> bool:
-        """Whether the regressor is faster than Pinocchio's derivatives, or these do not exist."""
-        return bool(self.of.model.leg.limbs) or self.of.model.leg.closure is not None
-
     @cached_property
     def slopes(self) -> TorqueSlopes:
-        """Derivatives of the rigid-body torque of a leg whose :attr:`changed` is not used."""
-        motion = self.motion
-        return inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
+        """Derivatives of the rigid-body torque by angles, velocities and accelerations of the joints."""
+        leg, motion = self.of.model.leg, self.motion
+        if not leg.limbs and leg.closure is None:
+            return inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
+        # Pinocchio's are slower for planar legs, and know no closed loops: differences of the regressor
+        samples, n = motion.q.shape
+        several = Motion(*motion[:4]).rows(np.tile(np.arange(samples), 3 * n))
+        for k, x in enumerate(several[:3]):
+            for j in range(n):
+                x.reshape(3, n, samples, n)[k, j, :, j] += STEP
+        torque = self.regressor_torque(leg, several).reshape(n, 3, n, samples)
+        return TorqueSlopes(*((torque - self.of_leg[:, None, None]) / STEP).transpose(1, 3, 0, 2))
 
-    @cached_property
-    def changed(self) -> FloatArray:
-        """Rigid-body torque by the regressor with the angle of each joint off by a step, then scaled, (2 n, n, N)."""
-        samples, n = self.motion.q.shape
-        several = Motion(*self.motion[:4]).rows(np.tile(np.arange(samples), 2 * n))
-        q, v, a = (x.reshape(2 * n, samples, n) for x in several[:3])
-        for j in range(n):
-            q[j, :, j] += STEP
-            for x in (q, v, a):
-                x[n + j, :, j] *= 1.0 + STEP
-        torque = self.regressor_torque(self.of.model.leg, several)
-        return torque.reshape(n, 2 * n, samples).transpose(1, 0, 2)
+    def by_joint(self, j: int, *changes: FloatArray) -> FloatArray:
+        """Change of the rigid-body torque (n, N) by one of angle, velocity and acceleration of a joint, (N,) each."""
+        return np.asarray(sum(slope[:, :, j].T * change for slope, change in zip(self.slopes, changes, strict=True)))
 
     def regressor_torque(self, leg: Leg, motion: Motion) -> FloatArray:
         """Rigid-body torque of a leg by its regressor, (n, N)."""
@@ -139,18 +134,12 @@ def _delay(at: _Point, joints: int | slice, _: int) -> FloatArray:
 
 def _zero(at: _Point, j: int, _: int) -> FloatArray:
     """Derivative of the rigid-body torque by an angle."""
-    if not at.by_differences:
-        return at.slopes.q[:, :, j].T
-    return np.asarray((at.changed[j] - at.of_leg) / STEP)
+    return at.slopes.q[:, :, j].T
 
 
 def _scale(at: _Point, j: int, _: int) -> FloatArray:
     """Derivative of the rigid-body torque by the scale of an angle and its derivatives."""
-    motion = at.motion
-    if not at.by_differences:
-        pairs = zip(at.slopes, (motion.q, motion.v, motion.a), strict=True)
-        return np.asarray(sum(slope[:, :, j].T * x[:, j] for slope, x in pairs))
-    return np.asarray((at.changed[motion.q.shape[1] + j] - at.of_leg) / STEP)
+    return at.by_joint(j, *(x[:, j] for x in at.motion[:3]))
 
 
 def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
@@ -178,15 +167,13 @@ def _length(at: _Point, j: int, _: int) -> FloatArray:
 
 
 def _clock(at: _Point, _: int, __: int) -> FloatArray:
-    """Derivative of the torque by the relative speed of the clock: all but gravity goes with its square."""
-    if not at.by_differences:
-        return 2.0 * (at.of_leg - gravity_torque(at.leg.model, at.motion.q).T)
-    still = np.zeros_like(at.motion.v)
-    return 2.0 * (at.of_leg - at.regressor_torque(at.of.model.leg, at.motion._replace(v=still, a=still)))
+    """Derivative of the torque by the relative speed of the clock: velocities go with it, accelerations twice."""
+    n, v, a = at.motion.q.shape[1], at.motion.v, 2.0 * at.motion.a
+    return np.asarray(sum(at.by_joint(j, np.zeros(len(v)), v[:, j], a[:, j]) for j in range(n)))
 
 
 def _compliance(at: _Point, j: int, _: int) -> FloatArray:
-    """Change by 1 rad/(N·m) between encoder and link."""
+    """Change by 1 rad/(N·m) between encoder and link, q_link = q − τ / k (Spong 1987), by its derivative for 1 / k."""
     torque = at.of_leg[j]
     if at.of.moving:
         # A link follows its motor below its resonance only: above, derivatives would amplify noise and what friction
@@ -198,7 +185,7 @@ def _compliance(at: _Point, j: int, _: int) -> FloatArray:
 
 
 def _play(at: _Point, j: int, _: int) -> FloatArray:
-    """Change by 1 rad of play to each side between encoder and link, which rests on the side of its load."""
+    """Change by 1 rad of play to each side, q_link = q − b sgn τ: the link rests on the side of its load."""
     # The load is what was measured less friction, which is in front of the gear: the model's has the jumps of the angle
     assert at.motion.measured is not None
     load = at.motion.measured[:, j] - (at.torque - at.of_leg)[j]
@@ -212,13 +199,7 @@ def _behind(at: _Point, j: int, lag: FloatArray) -> FloatArray:
     if at.of.moving:
         width = FOLLOWED * at.of.rate
         twist = [scipy.ndimage.gaussian_filter1d(lag, width, order=k) * at.of.rate**k for k in range(3)]
-    if not at.by_differences:
-        return np.asarray(-sum(slope[:, :, j].T * x for slope, x in zip(at.slopes, twist, strict=True)))
-    step = STEP / max(float(np.abs(twist[:2]).max()), 1e-12)
-    q, v, a = (x.copy() for x in at.motion[:3])
-    for x, change in zip((q, v, a), twist, strict=True):
-        x[:, j] -= step * change
-    return (at.regressor_torque(at.of.model.leg, Motion(q, v, a, at.motion.torso)) - at.of_leg) / step
+    return -at.by_joint(j, *twist)
 
 
 def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
