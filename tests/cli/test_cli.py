@@ -91,21 +91,6 @@ def test_a_log_of_both_sides_must_say_which(exoid_, data, tmp_path):
     assert exoid_("identify", "bleex", "log.csv", "--side", "right", "--no-check").code == 0
 
 
-def test_degrees_are_converted(exoid_, data, estimate, tmp_path):
-    time, q, tau, names = data.train.time, np.rad2deg(data.train.q), data.train.tau, data.train.joint_names
-    write(tmp_path / "log.csv", Recording(time, q, tau=tau, joint_names=names, largest_angle=np.inf))
-    assert_refused(exoid_("identify", "bleex", "log.csv"), "log.csv", "looks like degrees")
-    run = exoid_("identify", "bleex", "log.csv", "--degrees", "--no-check", "--json")
-    np.testing.assert_allclose(list(json.loads(run.out)["values"].values()), estimate.values, rtol=1e-9)
-
-
-def test_start_and_stop_cut_the_log(exoid_, data):
-    run = exoid_("identify", "bleex", TRAIN, "--start", "5", "--stop", "25", "--no-check", "--json")
-    expected = exoid.identify(data.leg, data.train.between(5.0, 25.0), check=False)
-    assert list(json.loads(run.out)["values"].values()) == expected.values.tolist()
-    assert json.loads(run.out)["inputs"][0]["samples"] == 2000
-
-
 def test_a_urdf_and_a_log_of_some_of_its_joints(exoid_, data, tmp_path):
     """The joints that move are those in the log, from the base outwards, whatever their order in the file."""
     (tmp_path / "my.urdf").write_bytes((exoid.catalog.urdf_folder() / "bleex.urdf").read_bytes())
@@ -114,15 +99,6 @@ def test_a_urdf_and_a_log_of_some_of_its_joints(exoid_, data, tmp_path):
     assert logged["joints"] == ["left_hip", "left_knee"]
     run = exoid_("identify", "my.urdf", TRAIN, "--joints", "left_hip, left_ankle", "--no-check", "--json")
     assert json.loads(run.out)["leg"]["joints"] == ["left_hip", "left_ankle"]
-
-
-def test_links_that_do_not_move_need_no_inertia(exoid_, tmp_path):
-    """Joints that are not in the log do not matter, not even where their link has no mass."""
-    text = (exoid.catalog.urdf_folder() / "bleex.urdf").read_text(encoding="utf-8")
-    tail = '<link name="tail"/><joint name="wag" type="continuous"><parent link="torso"/><child link="tail"/>'
-    axis = '<axis xyz="0 0 1"/></joint></robot>'
-    (tmp_path / "my.urdf").write_text(text.replace("</robot>", tail + axis), encoding="utf-8")
-    assert exoid_("identify", "my.urdf", TRAIN, "--no-check").code == 0
 
 
 def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
@@ -141,19 +117,6 @@ def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
     assert (run.code, run.err) == (0, "wrote leg.html\n")
     assert "tests" in json.loads(run.out)
     assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page
-
-
-@pytest.mark.parametrize(
-    ("option", "said"),
-    [
-        (("--report", "missing/report.html"), "cannot be written"),
-        (("--report", "."), "cannot be written"),
-        (("--test", "absent.csv"), "absent.csv"),
-    ],
-)
-def test_identify_refuses_files_before_it_works(exoid_, monkeypatch, option, said):
-    monkeypatch.setattr("exoid.identification.identify", lambda *_, **__: pytest.fail("it worked in vain"))
-    assert_refused(exoid_("identify", "bleex", TRAIN, *option), said)
 
 
 # ------------------------------------------------------------------------------------------- validate

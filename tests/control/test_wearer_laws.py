@@ -88,12 +88,6 @@ def test_the_wearer_carries_the_rest_of_the_weight(share):
     np.testing.assert_allclose(run.interaction[-1], (1.0 - share) * weight, atol=0.01)
 
 
-def test_an_unworn_transparent_leg_stays_where_it_is_released():
-    law = gravity_support(SMOOTH, friction=PASSIVE, rate=1000.0)
-    run = simulate_law(SMOOTH, law, HOLD, 2.0, start=POSE, sensors=EXACT)
-    np.testing.assert_allclose(run.q, np.tile(POSE, (len(run.q), 1)), atol=1e-6)
-
-
 # ------------------------------------------------------------------------------------------ impedance
 
 

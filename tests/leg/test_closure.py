@@ -89,23 +89,6 @@ def test_velocity_and_acceleration_are_derivatives_of_the_pose(leg):
     np.testing.assert_allclose((poses[2] - 2 * poses[1] + poses[0]) / h**2, tree.a, atol=1e-3 * np.abs(tree.a).max())
 
 
-def test_power_of_the_motors_is_the_change_of_energy(leg):
-    q, v, a = random_motion(leg)
-    data, h = leg.model.createData(), 1e-5
-
-    def energy(step: float) -> np.ndarray:
-        tree = leg.tree_motion(q + step * v + 0.5 * step**2 * a, v + step * a)
-        return np.array(
-            [
-                pin.computeKineticEnergy(leg.model, data, q, v) + pin.computePotentialEnergy(leg.model, data, q)
-                for q, v in zip(tree.q, tree.v, strict=True)
-            ]
-        )
-
-    power = (leg.inverse_dynamics(q, v, a) * v).sum(axis=1)
-    np.testing.assert_allclose((energy(h) - energy(-h)) / (2 * h), power, atol=1e-6 * np.abs(power).max())
-
-
 def test_mass_matrix_gravity_and_jacobian_are_those_of_the_torque(leg):
     q, v, _ = random_motion(leg)
     still = np.zeros_like(q)

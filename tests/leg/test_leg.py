@@ -45,25 +45,6 @@ def test_the_mass_matrix_is_symmetric_and_positive_definite(leg):
 
 
 @LEGS
-def test_gravity_is_the_gradient_of_the_potential_energy(leg):
-    """The energy from masses and heights of the links' centres of mass, by forward kinematics."""
-    q, _, _ = motion_of(leg)
-
-    def energy(angles: np.ndarray) -> np.ndarray:
-        rotation, translation = leg.forward_kinematics(angles)
-        inertias = leg.model.inertias.tolist()[1:]
-        centres = np.array([inertia.lever for inertia in inertias])
-        heights = (np.einsum("njab,jb->nja", rotation, centres) + translation)[..., 2]
-        return 9.81 * heights @ np.array([inertia.mass for inertia in inertias])
-
-    gradient = np.empty_like(q)
-    for joint in range(q.shape[1]):
-        step = STEP * np.eye(q.shape[1])[joint]
-        gradient[:, joint] = (energy(q + step) - energy(q - step)) / (2 * STEP)
-    assert_relative(gradient, leg.gravity(q), 1e-7)
-
-
-@LEGS
 def test_joint_power_is_the_rate_of_the_whole_energy(leg):
     """τ·v = d/dt (½ vᵀ M v) + G·v along an accelerated motion."""
     q, v, a = motion_of(leg)

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import textwrap
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -139,25 +138,3 @@ def test_a_read_only_folder_ends_in_one_line(estimate, tmp_path, what):
         tmp_path.chmod(0o700)
     assert "folder for which you have permission" in str(caught.value)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("what", WRITES)
-def test_a_folder_that_takes_no_files_ends_in_one_line(estimate, what):
-    """Not even root can write into /proc."""
-    if not Path("/proc/self").is_dir():
-        pytest.skip("no /proc")
-    with pytest.raises(ExoidError, match="cannot be written"):
-        WRITES[what](estimate, Path("/proc/self"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("what", ["identify", "export"])
-def test_commands_that_cannot_write_exit_with_2_and_one_line(estimate, tmp_path, what):
-    target = tmp_path / "missing" / "new.json"
-    estimate.save(tmp_path / "leg.json")
-    words = ["identify", "bleex", "bleex_swing:train"] if what == "identify" else ["export", str(tmp_path / "leg.json")]
-    command = [sys.executable, "-c", "from exoid.cli import main; main()", *words, "-o", str(target)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "cannot be written" in done.stderr

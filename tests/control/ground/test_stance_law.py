@@ -166,17 +166,6 @@ def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(machine)
     assert steps < 0.02 * np.ptp(torques, axis=0).max() + 1.0
 
 
-def test_without_gains_the_law_carries_the_weight_alone(machine):
-    """Gravity support at rest: power of the torque in any motion is that of the weight, and nothing accelerates."""
-    law = stance(machine, kp=0.0, kd=0.0, friction=None)
-    q = np.concatenate([BENT, BENT])
-    state = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH)
-    far = GroundTarget(q + 1.0, np.ones(6))
-    command = law.command(state, far)
-    assert np.abs(command.acceleration).max() < 0.2
-    assert np.isclose(sum(force[1] for force in command.forces.values()), 49.1 * 9.81, rtol=0.01)
-
-
 def test_known_forces_are_taken_into_account(machine):
     """A crutch that carries 100 N takes them from the feet; the wearer's torque takes its part from the actuators."""
     law = stance(machine, kp=0.0, kd=0.0, friction=None)
