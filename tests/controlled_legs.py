@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pinocchio as pin
+from made_estimates import made
 
 import exoid
 from exoid import published
@@ -31,17 +32,8 @@ def frictionless(plant: Plant) -> Plant:
 
 def estimate_of(model: TorqueModel, values: dict[str, float]) -> Estimate:
     """An estimate of these values, as if identified."""
-    count, n = len(model.names), len(model.leg.joint_names)
-    return Estimate(
-        model=model,
-        values=np.array([values.get(name, 0.0) for name in model.names]),
-        covariance=1e-6 * np.eye(count),
-        condition_number=10.0,
-        dof=100.0,
-        residual_rms=np.ones(n),
-        estimator="wls",
-        preparation=ZeroPhase(3.0),
-    )
+    every = np.array([values.get(name, 0.0) for name in model.names])
+    return made(model, every, 1e-6 * np.eye(len(every)), preparation=ZeroPhase(3.0))
 
 
 @cache

@@ -56,13 +56,6 @@ def write_opensim(path, time, columns, *, degrees=False, header=None, separator=
     path.write_text("\n".join([*lines, *rows]) + "\n", encoding="utf-8")
 
 
-def write_mot(path, recording):
-    """Angles in degrees, as inverse kinematics writes them, under the names of exoid."""
-    columns = {name: np.rad2deg(x) for name, x in named_columns(recording).items() if name != "time"}
-    columns |= {name: np.deg2rad(x) for name, x in columns.items() if name.startswith("tau_")}
-    write_opensim(path, recording.time, columns, degrees=True)
-
-
 def write_npz(path, recording):
     with path.open("wb") as file:
         np.savez_compressed(file, time=recording.time, joint_names=recording.joint_names, **arrays(recording))

@@ -1,15 +1,17 @@
 """Estimates that are made by hand, of numbers that a test writes, and motions within the limits of their legs."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from exoid import Estimate
 from exoid.signals import ZeroPhase
 
 
-def made(model, values, covariance):
-    """An estimate of these values."""
+def made(model, values, covariance, **changes):
+    """An estimate of these values, with other fields if they are given."""
     joints = np.ones(len(model.leg.joint_names))
-    return Estimate(model, values, covariance, 10.0, 100.0, joints, "ols", ZeroPhase(5.0))
+    return replace(Estimate(model, values, covariance, 10.0, 100.0, joints, "ols", ZeroPhase(5.0)), **changes)
 
 
 def motion_within(leg, samples=20, margin=0.0):

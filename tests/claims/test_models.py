@@ -88,5 +88,3 @@ def test_static_friction_of_a_held_joint_carries_what_j3_should():
     foot = exoid.load_leg("bleex").parameters[-1]
     assert held_ankle_j3(lambda v, a: -np.clip(foot * a, -c0, c0)) == pytest.approx(-1.0, abs=1e-6)
     assert held_ankle_j3(lambda v, a: -0.05 * np.sign(a)) < -0.15
-
-

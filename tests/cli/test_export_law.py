@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_estimates import made
 
 import exoid
 from exoid.actuators import Actuators, Motor
@@ -20,10 +21,8 @@ from exoid.control import (
     sensitivity_amplification,
     standard_laws,
 )
-from exoid.estimate import Estimate
 from exoid.estimate.text import provenance
 from exoid.experiments import gait_for_leg, healthy_gait
-from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
 IN_C = [name for name in LAWS if name != "self_tuning"]
@@ -138,10 +137,7 @@ def test_a_leg_without_a_gait_gets_the_gains_of_its_zero_pose(exoid_, tmp_path):
         text.replace('"left_hip"', '"left_upper"').replace('"left_knee"', '"left_lower"')
     )
     leg = exoid.Leg.from_urdf(tmp_path / "leg.urdf", joints=("left_upper", "left_lower"))
-    model = TorqueModel(leg, ())
-    count = len(model.names)
-    est = Estimate(model, leg.parameters, 1e-4 * np.eye(count), 10.0, 100.0, np.ones(2), "wls", ZeroPhase(3.0))
-    est.save("est.json")
+    made(TorqueModel(leg, ()), leg.parameters, 1e-4 * np.eye(len(leg.parameters))).save("est.json")
     for law in ("gravity_friction_pd", "lqr"):
         code, _, err = exoid_("export", "est.json", "--law", law, "--c", "law.c")
         assert code == 0, err

@@ -3,10 +3,12 @@
 import ctypes
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from made_estimates import made
 
 from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
 from exoid.codegen import CSource, c_source
@@ -33,18 +35,8 @@ def made_up(leg: Leg, terms=EVERY_TERM, seed: int = 0, **changes) -> Estimate:
     rng = np.random.default_rng(seed)
     own = len(leg.parameter_names)
     values = np.concatenate([leg.parameters, rng.uniform(-1.0, 2.0, len(model.names) - own)])
-    given = {
-        "model": model,
-        "values": values,
-        "covariance": np.diag((0.01 * values) ** 2),
-        "condition_number": 3.0,
-        "dof": 1000.0,
-        "residual_rms": np.full(len(leg.joint_names), 0.1),
-        "estimator": "wls",
-        "preparation": ZeroPhase(),
-        "inputs": (Input("log.csv", "ab" * 32, 1000, 100.0),),
-    }
-    return Estimate(**{**given, **changes})
+    given = {"preparation": ZeroPhase(), "inputs": (Input("log.csv", "ab" * 32, 1000, 100.0),)}
+    return replace(made(model, values, np.diag((0.01 * values) ** 2), **given), **changes)
 
 
 def compile_c(arguments, *sources: Path, to: Path) -> Path:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from controlled_legs import cuhk_plant, exact_estimate
+from made_estimates import made
 
 import exoid
 from exoid import Coulomb, Stiffness
@@ -125,16 +126,6 @@ def test_springs_of_any_degree_are_compensated():
     model = TorqueModel(leg, (Stiffness(degree=3), Coulomb()))
     values = np.concatenate([leg.parameters, np.random.default_rng(1).uniform(0.0, 1.0, len(model.names) - 6)])
     q, still = np.array([0.3, 0.7]), np.zeros(2)
-    estimate = exact_estimate()
-    estimate = type(estimate)(
-        model=model,
-        values=values,
-        covariance=np.eye(len(values)),
-        condition_number=2.0,
-        dof=9.0,
-        residual_rms=np.ones(2),
-        estimator="wls",
-        preparation=estimate.preparation,
-    )
+    estimate = made(model, values, np.eye(len(values)))
     found = gravity_friction_pd(estimate, 20.0, 2.0).torque(State(q, still), Target(q, still))
     np.testing.assert_allclose(found, estimate.torque(q, still, still)[0], rtol=1e-12)

@@ -1,14 +1,15 @@
 """What a script registers works like what exoid brings along; what no file can hold is refused unwritten."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
+from made_estimates import made
 from springs import STIFFNESS
 
 import exoid
-from exoid import Coulomb, Estimate, ExoidError, Viscous
+from exoid import Coulomb, ExoidError, Viscous
 from exoid.codegen.forms import FORMS
 from exoid.identification.estimators import JointML, wls
 from exoid.signals import ZeroPhase
@@ -42,17 +43,7 @@ def estimate_of(*terms, **changes):
     model = TorqueModel(LEG, terms)
     others = np.random.default_rng(0).uniform(0.1, 0.9, len(model.names) - len(LEG.parameters))
     values = np.concatenate([LEG.parameters, others])
-    given = {
-        "model": model,
-        "values": values,
-        "covariance": np.diag((0.01 * np.maximum(np.abs(values), 0.1)) ** 2),
-        "condition_number": 10.0,
-        "dof": 100.0,
-        "residual_rms": np.ones(2),
-        "estimator": "ols",
-        "preparation": ZeroPhase(5.0),
-    }
-    return Estimate(**{**given, **changes})
+    return replace(made(model, values, np.diag((0.01 * np.maximum(np.abs(values), 0.1)) ** 2)), **changes)
 
 
 class TestTerms:
