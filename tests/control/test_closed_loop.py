@@ -9,10 +9,9 @@ from scipy.integrate import solve_ivp
 from exoid.control import ControlModel, State, compare_laws, gravity_friction_pd, pd, simulate_law, simulate_many
 from exoid.control.closed_loop import plant_step
 from exoid.experiments import Hold, healthy_gait
-from exoid.rig import Plant, Sensors, Target
+from exoid.rig import Plant, Target
 
 KP, KD = (22.0, 56.0), (2.2, 5.6)
-NOISY = Sensors(encoder_counts=2.0**13, angle_noise=5e-4, velocity_noise=0.01, torque_noise=0.3)
 
 
 class Spy:
@@ -81,14 +80,6 @@ def test_metrics_are_what_their_names_say():
     power = np.abs(run.tau * run.v)[late]
     np.testing.assert_allclose(run.energy, (power[1:] + power[:-1]).sum(axis=0) / 200.0)
     assert run.to_json()["peak_deg"] == run.peak_deg.tolist()
-
-
-def test_the_recording_is_what_the_sensors_said():
-    run = simulate_law(cuhk_plant(), pd(KP, KD), healthy_gait(), 3.0, sensors=NOISY, seed=4)
-    log = run.recording
-    assert log.joint_names == ("left_hip", "left_knee")
-    for said, true, noise in ((log.q, run.q, 5e-4), (log.v, run.v, 0.01), (log.tau, run.tau, 0.3)):
-        assert np.std(said - true) == pytest.approx(noise, rel=0.15)
 
 
 def test_many_rigs_at_once_do_what_each_does_alone():

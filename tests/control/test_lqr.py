@@ -3,16 +3,21 @@
 import numpy as np
 import pytest
 import scipy
-from controlled_legs import cuhk_plant, exact_estimate, random_target
+from controlled_legs import LEG, cuhk_plant, estimate_of, exact_estimate, random_target
 
 from exoid.control import ControlModel, State, lqr
 from exoid.control.lqr import Linear, discretise, linearise
 from exoid.experiments import healthy_gait
+from exoid.torques import CouplingInertia, CouplingSpring, TorqueModel, Viscous
 
 control = pytest.importorskip("control")
 
 GAIT = healthy_gait()
 MODEL = ControlModel.of(cuhk_plant(b2_hip=0.4, b1_hip=-0.6))
+BOTH = {"joints": ("hip", "knee"), "ratios": (1.0, -0.6)}
+VALUES = {**dict(zip(LEG.parameter_names, LEG.parameters, strict=True)), "d_knee": 0.4, "k_hip_knee": 12.0}
+COUPLED = TorqueModel(LEG, (Viscous(), CouplingSpring(**BOTH), CouplingInertia(**BOTH)))
+MODELS = [MODEL, ControlModel.of(estimate_of(COUPLED, {**VALUES, "Ia_hip_knee": 0.3}))]
 
 
 def forward_dynamics(model, q, v, tau):
@@ -21,17 +26,18 @@ def forward_dynamics(model, q, v, tau):
     return np.linalg.solve(model.mass_matrix(q), net)
 
 
-def test_the_linearisation_is_the_derivative_of_forward_dynamics():
+@pytest.mark.parametrize("model", MODELS, ids=["single joints", "couplings"])
+def test_the_linearisation_is_the_derivative_of_forward_dynamics(model):
     """Central differences of Pinocchio's dynamics with springs, rotors and viscous friction."""
     for q, v, a in np.random.default_rng(0).uniform(-1.0, 1.0, (10, 3, 2)):
-        tau = MODEL.inverse_dynamics(q, v, a) + MODEL.viscous * v
-        A, B = linearise(MODEL, q, v, a)
+        tau = model.inverse_dynamics(q, v, a) + model.viscous * v
+        A, B = linearise(model, q, v, a)
         step = 1e-6
         for k in range(2):
             e = step * np.eye(2)[k]
-            by_q = forward_dynamics(MODEL, q + e, v, tau) - forward_dynamics(MODEL, q - e, v, tau)
-            by_v = forward_dynamics(MODEL, q, v + e, tau) - forward_dynamics(MODEL, q, v - e, tau)
-            by_tau = forward_dynamics(MODEL, q, v, tau + e) - forward_dynamics(MODEL, q, v, tau - e)
+            by_q = forward_dynamics(model, q + e, v, tau) - forward_dynamics(model, q - e, v, tau)
+            by_v = forward_dynamics(model, q, v + e, tau) - forward_dynamics(model, q, v - e, tau)
+            by_tau = forward_dynamics(model, q, v, tau + e) - forward_dynamics(model, q, v, tau - e)
             np.testing.assert_allclose(A[2:, k], by_q / (2.0 * step), atol=1e-6)
             np.testing.assert_allclose(A[2:, 2 + k], by_v / (2.0 * step), atol=1e-6)
             np.testing.assert_allclose(B[2:, k], by_tau / (2.0 * step), atol=1e-6)

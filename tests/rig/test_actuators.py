@@ -105,7 +105,7 @@ def test_proportional_control_with_the_printed_sign_runs_away():
 @pytest.mark.parametrize(
     "actuator", ["motor", *(pytest.param(each, marks=pytest.mark.nightly) for each in ("ideal", "servo"))]
 )
-def test_energy_balances_over_a_minute(actuator):
+def test_energy_balances(actuator):
     """Work in = gain of mechanical energy + dissipated, to 1e-4 of the turnover."""
     plant = Plant.build(BLEEX, EVERYTHING)
     amperes = 1.0 / 3.5
@@ -114,7 +114,7 @@ def test_energy_balances_over_a_minute(actuator):
         "motor": (Proportional(150.0 * amperes), DcMotor(0.07, 50.0, 3.2e-4, 15.0)),
         "servo": (Proportional(1.0), HydraulicServo(KH, CL, KV)),
     }[actuator]
-    run = simulate(plant, Swing(), law, drive, 60.0, rates=Rates(step=2e-3))
+    run = simulate(plant, Swing(), law, drive, 20.0, rates=Rates(step=2e-3))
     assert np.ptp(run.q, axis=0).min() > 0.05
     assert run.energy.dissipated[0] > 10.0
     assert run.energy.relative_error[0] <= 1e-4

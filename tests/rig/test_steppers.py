@@ -34,7 +34,7 @@ def test_one_rig_by_pinocchio_moves_as_many_in_closed_form(end_stops, pitch):
     plant = Plant.build(BLEEX, EVERYTHING, pitch=pitch, end_stops=end_stops)
     rigs = one_and_two(plant, POSE, zeros(plant), 5e-4)
     start, seen = [rig.energy() for rig in rigs], set()
-    for k in range(4000):
+    for k in range(2500):
         one, two = (rig.step(torque(k * 5e-4), np.full(rig.q.shape, 0.05)) for rig in rigs)
         np.testing.assert_allclose(rigs[1].q, np.tile(rigs[0].q, 2), rtol=0, atol=1e-10)
         np.testing.assert_allclose(rigs[1].v, np.tile(rigs[0].v, 2), rtol=0, atol=1e-9)
@@ -84,20 +84,6 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     assert errors[1] < 0.5 * errors[0]
     assert errors[2] < 0.25 * errors[0]
     assert errors[2] < 2e-4
-
-
-@pytest.mark.slow
-def test_a_free_rig_with_friction_never_gains_energy():
-    plant = Plant.build(BLEEX, {**FRICTION, "b1_knee": 2.0, "cs_hip": 2.5})
-    rng = np.random.default_rng(1)
-    for _ in range(3):
-        rig = Stepper(plant, POSE + rng.uniform(-0.05, 0.5, (3, 1)) * [[1], [-1], [1]], rng.normal(0, 2, (3, 1)), 5e-4)
-        energy = [rig.energy()[0]]
-        for _ in range(3000):
-            rig.step(zeros(plant), zeros(plant))
-            energy.append(rig.energy()[0])
-        assert np.diff(energy).max() <= 1e-11
-        assert energy[-1] < energy[0] - 0.1
 
 
 @pytest.mark.slow

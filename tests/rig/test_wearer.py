@@ -1,7 +1,6 @@
 """The wearer on the rig: coupled equations, limits, balances, muscles and refusals."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -150,21 +149,6 @@ def test_a_spatial_leg_may_be_worn():
 
 
 @pytest.mark.slow
-def test_a_limb_in_stiff_cuffs_is_a_payload():
-    """The motion tends to that of the leg with the limb fixed to it, as 1/k."""
-    limb = limb_of(CUHK)
-    welded = replace(FREE, parameters=FREE.parameters + limb.parameters[:, None])
-    truth = simulate(welded, GAIT, PD, IdealTorque(), 1.0, rates=FINE)
-    errors = []
-    for stiffness in (1e4, 1e5, 1e6):
-        run = worn(wearer=Wearer(limb, stiffness, 0.01 * stiffness), controller=PD)
-        errors.append(np.abs(run.q - truth.q).max())
-    assert errors[0] < 5e-3
-    assert errors[1] < 0.2 * errors[0]
-    assert errors[2] < 0.2 * errors[1]
-
-
-@pytest.mark.slow
 def test_no_cuff_no_interaction():
     """Not a bit of the leg's motion changes."""
     loose = Wearer.build(CUHK, cuff_stiffness=0.0, cuff_damping=0.0)
@@ -175,24 +159,6 @@ def test_no_cuff_no_interaction():
     np.testing.assert_array_equal(run.tau_measured, alone.tau_measured)
     assert alone.interaction is None
     assert alone.limb_q is None
-
-
-@pytest.mark.slow
-def test_a_limb_without_leg_follows_its_intention_exactly():
-    """Feedforward of the limb's own dynamics, no cuff: to the accuracy of the integrator."""
-    wearer = Wearer.build(CUHK, intention=GAIT, cuff_stiffness=0.0, cuff_damping=0.0)
-    run = worn(wearer=wearer, duration=2.0)
-    np.testing.assert_allclose(run.limb_q, [GAIT.at(t).q for t in run.time], atol=1e-5)
-
-
-@pytest.mark.slow
-def test_a_limb_that_hangs_in_a_leg_at_rest_pulls_with_its_weight():
-    """Held at a pose, the cuffs carry the limb: τ_wearer = −G_limb(q)."""
-    pose = np.array([[0.5], [0.8]])
-    run = worn(Plant.build(CUHK), duration=3.0, controller=ProportionalDerivative(4000.0, 200.0), reference=Hold(pose))
-    weight = limb_of(CUHK).gravity(run.limb_q[-1].T)[0]
-    np.testing.assert_allclose(run.interaction[-1, :, 0], -weight, rtol=1e-4)
-    assert np.abs(weight).min() > 3.0
 
 
 # ------------------------------------------------------------------------------------------------ balances
@@ -216,33 +182,6 @@ def test_the_muscles_work_is_part_of_the_balance():
     energy = run.energy
     assert energy.work[0] > 5.0
     assert energy.work[0] == pytest.approx(energy.gain[0] + energy.dissipated[0], rel=1e-4)
-
-
-@pytest.mark.slow
-def test_a_free_machine_never_gains_energy():
-    rig = WornStepper(
-        Stepper(STICKING, np.array([[0.9], [1.2]]), np.array([[2.0], [-3.0]]), 5e-4), WEARERS["soft"], 4000
-    )
-    before = rig.energy()
-    for _ in range(4000):
-        rig.step(np.zeros((2, 1)), np.zeros((2, 1)))
-        after = rig.energy()
-        assert after <= before + 1e-8
-        before = after
-
-
-def test_what_the_leg_gets_the_limb_loses():
-    """One joint without weight: the angular momentum of leg and limb together does not change."""
-    leg = random_chain(np.random.default_rng(1), 1).leg()
-    leg, limb = (leg.with_parameters([0.0, 0.0, inertia]) for inertia in (0.8, 0.3))
-    plant = Plant.build(leg, end_stops=False)
-    rig = WornStepper(Stepper(plant, np.array([[0.2]]), np.array([[3.0]]), 5e-4), Wearer(limb, 400.0, 4.0), 2000)
-    rig.limb.move(np.array([[-1.0]]))
-    momentum = 0.8 * rig.v + 0.3 * rig.limb.v
-    for _ in range(2000):
-        rig.step(np.zeros((1, 1)), np.zeros((1, 1)))
-        np.testing.assert_allclose(0.8 * rig.v + 0.3 * rig.limb.v, momentum, rtol=0, atol=1e-12)
-    np.testing.assert_allclose([rig.v, rig.limb.v], momentum[0, 0] / 1.1, rtol=1e-3)
 
 
 # -------------------------------------------------------------------------------------------- many rigs

@@ -8,7 +8,6 @@ from unchecked import identify
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
 from exoid.control import ControlModel
-from exoid.control.lqr import linearise
 from exoid.identification import select_terms
 from exoid.torques import CouplingFriction, CouplingInertia, CouplingSpring, TorqueModel
 from exoid.torques.motion import random_motion
@@ -68,36 +67,6 @@ def estimate() -> Estimate:
 
 
 # -------------------------------------------------------------------------------------------- physics
-
-
-def test_a_spring_is_the_gradient_of_its_energy():
-    q, v, a = random_motion(200, 3)
-
-    def energy(q):
-        return np.column_stack([coordinate(SPRING, q) ** 2 / 2, coordinate(SPRING, q)])
-
-    found, step = columns(SPRING, q, v, a), 1e-6
-    for joint in range(3):
-        move = step * np.eye(3)[joint]
-        slope = (energy(q + move) - energy(q - move)) / (2.0 * step)
-        np.testing.assert_allclose(found[:, joint], slope, atol=1e-7)
-    assert (found != 0.0).any(axis=(0, 2)).sum() == 2
-
-
-def test_friction_across_joints_only_dissipates_and_takes_the_power_of_its_coordinate():
-    q, v, a = random_motion(500, 3)
-    tau = columns(DRAG, q, v, a) @ np.array([0.7, 0.4])
-    power, rate = (tau * v).sum(axis=1), coordinate(DRAG, v)
-    assert (power > 0.0).all()
-    np.testing.assert_allclose(power, (0.7 * np.tanh(rate / 0.02) + 0.4 * rate) * rate, rtol=1e-12)
-
-
-def test_a_rotor_takes_the_power_that_its_kinetic_energy_gains():
-    q, v, a = Swing(LEG).motion
-    tau = columns(ROTOR, q, v, a)[..., 0]
-    np.testing.assert_allclose(
-        (tau * v).sum(axis=1), coordinate(ROTOR, v) * coordinate(ROTOR, a), rtol=1e-9, atol=1e-12
-    )
 
 
 def test_the_whole_model_is_the_sum_of_its_equations():
@@ -205,30 +174,6 @@ def test_the_mass_matrix_has_the_rotor_across_joints(estimate, control):
     np.testing.assert_allclose(added, estimate.value("Ia_hip_knee_ankle") * np.outer(row, row), atol=1e-12)
     several = control.rotors(random_motion(5, 3)[0])
     np.testing.assert_allclose(several, np.broadcast_to(added, (5, 3, 3)), atol=1e-12)
-
-
-def test_the_linearised_leg_has_the_slopes_of_its_forward_dynamics(control):
-    """Without dry friction and other friction across joints, which linearisation leaves out."""
-    q, v, a = random_motion(1, 3)[:, 0]
-
-    def torque(q, v, a):
-        return control.inverse_dynamics(q, v, a) + control.viscous * v
-
-    tau, step = torque(q, v, a), 1e-6
-    A, B = linearise(control, q, v, a)
-
-    def acceleration(q, v, tau):
-        return np.linalg.solve(control.mass_matrix(q), tau - torque(q, v, np.zeros(3)))
-
-    np.testing.assert_allclose(acceleration(q, v, tau), a, atol=1e-9)
-    for joint in range(3):
-        move = step * np.eye(3)[joint]
-        by_q = (acceleration(q + move, v, tau) - acceleration(q - move, v, tau)) / (2.0 * step)
-        by_v = (acceleration(q, v + move, tau) - acceleration(q, v - move, tau)) / (2.0 * step)
-        by_tau = (acceleration(q, v, tau + move) - acceleration(q, v, tau - move)) / (2.0 * step)
-        np.testing.assert_allclose(A[3:, joint], by_q, rtol=1e-5, atol=1e-4)
-        np.testing.assert_allclose(A[3:, 3 + joint], by_v, rtol=1e-5, atol=1e-4)
-        np.testing.assert_allclose(B[3:, joint], by_tau, rtol=1e-5, atol=1e-4)
 
 
 # ------------------------------------------------------------------------------------------- refusals
