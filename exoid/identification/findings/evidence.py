@@ -27,26 +27,32 @@ class Evidence(NamedTuple):
     factors: list[FloatArray]  # R factor of the rows of each joint, (M, P + K + 1) with M columns that act
     counts: FloatArray  # usable rows of each joint, at least 1, (n,)
     ranges: Sequence[MotionRanges] = ()  # ranges of the motion of each
+    sources: Sequence[str] = ()  # file of each; "" for one in memory
 
     @classmethod
     def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray, *, beside: int) -> Evidence:
         """Form the tables and R factors of rows, whose last columns may stand beside them."""
         known = np.where(np.isfinite(fixed), fixed, 0.0)
-        tables, factors = [], []
+        tables = []
         for joint in range(parts[0].tau.shape[1]):
             of_joint = []
             for part in parts:
                 W = part.W[:, joint, : part.W.shape[2] - beside].T
                 torque = part.tau[:, joint] - known @ W[: len(fixed)]
                 of_joint.append(np.asarray(np.vstack([W, torque]) * part.usable[:, joint]))
-            rows = np.hstack(of_joint)
+            tables.append(of_joint)
+        counts = np.maximum(np.sum([part.usable.sum(axis=0) for part in parts], axis=0), 1).astype(np.float64)
+        return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, [], counts).of_tables(tables)
+
+    def of_tables(self, tables: list[list[FloatArray]]) -> Evidence:
+        """Replace the tables, and with them the R factors."""
+        factors = []
+        for rows in map(np.hstack, tables):
             act = np.flatnonzero(rows.any(axis=1))  # fewer columns to factorise
             acting = r_factor(rows[act].T)
-            tables.append(of_joint)
             factors.append(np.zeros((len(acting), len(rows))))
             factors[-1][:, act] = acting
-        counts = np.maximum(np.sum([part.usable.sum(axis=0) for part in parts], axis=0), 1).astype(np.float64)
-        return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, factors, counts)
+        return self._replace(tables=tables, factors=factors)
 
     def torque_shares(self, columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray) -> FloatArray:
         """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""

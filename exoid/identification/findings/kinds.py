@@ -63,6 +63,7 @@ class Kind(NamedTuple):
             degrees=np.degrees(x),
             largest=np.abs(delta).max(),
             displaced=millimetres,
+            of="" if fault.unit == "1" else f" {fault.unit}",
             sign=self.signs[int(x <= 0.0)],
         )
 
@@ -139,6 +140,12 @@ KINDS = {
         3e-4,
         "the moment arm of the actuator at {joint} has another shape than described: as if the {form} {displaced}",
         "measure both attachment points in the frames of their links, or the moment arm over the angle",
+    ),
+    "change": Kind(
+        None,
+        "{form} differs by {x:.3g}{of}: one value does not describe all data",
+        "look for what happened then, such as an encoder that slipped, a zero that was set again or a load; leave one "
+        "part out, or give the parts as groups with own parameters",
     ),
     "play": Kind(
         None,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from exoid.regression.least_squares import TINY, scaled_inverse
 from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 
+from .changes import BLOCKS, Change, described, find_change, with_change
 from .evidence import Evidence
 from .kinds import KINDS, Nuisance, library
 from .sample import FittedLeg, gather
@@ -60,7 +62,13 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
         friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
         beside = _Beside(evidence, {}, always, friction)
         before = State.of(evidence, ()).values
+        changes: list[Change] = []
         for _ in range(6):  # at most so many faults
+            change = find_change(beside.fit(), fitted.model, columns)
+            if change is not None:
+                changes.append(change)
+                beside = beside._replace(evidence=with_change(beside.evidence, change))
+                candidates = (*candidates, described(change, beside.evidence, fitted.model, columns))
             likely = _likely(beside, candidates, limit)
             if not likely:
                 break
@@ -74,7 +82,8 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
             applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
             beside.faults[best] = applied + delta, others
             if best.is_corrected:
-                beside = beside._replace(evidence=gather(fitted, State.of(beside.evidence, beside.staying()).values))
+                again = gather(fitted, State.of(beside.evidence, beside.staying()).values)
+                beside = beside._replace(evidence=reduce(with_change, changes, again))
         forms = [k for k, column in enumerate(columns) if column.kind in ("force", "force²")]
         sizes = (_sized(beside, fault, forms if fault.kind == "unmodelled-force" else ()) for fault in beside.faults)
         found = [fault for fault in sizes if fault is not None and _counts(fault.score, limit) and fault.matters]
@@ -128,8 +137,9 @@ def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
     if score.nuisance.kind in ("elastic-joint", "play") and score.delta[0] < 0.0:  # a link is not ahead of its load
         return False
-    ease = COMMON if _is_late(score) else 1.0
-    least = SMALLEST_MOVE if ease == 1.0 else 0.5 * SMALLEST_MOVE
+    # a change is the best of those at all times
+    ease = COMMON if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind == "change" else 1.0
+    least = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
     return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > least)
 
 

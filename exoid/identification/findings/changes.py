@@ -1,0 +1,139 @@
+"""Numbers that change while data are recorded: a zero, a scale, an offset, a load, from some time on or in one log.
+
+One value of each parameter is fitted to all data. A number that changes on the way leaves residuals that its column,
+set to zero before the change, explains: a test of constant parameters (Andrews 1993) with the columns of the faults.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exoid._typing import FloatArray
+from exoid.regression.least_squares import TINY
+from exoid.torques import Offset, TorqueModel
+
+from .columns import Column
+from .evidence import Evidence
+from .kinds import Nuisance
+from .score import LARGE_GAIN, State
+
+BLOCKS = 60  # of all data, between which a number may change
+
+
+class Change(NamedTuple):
+    """Another value of one number in consecutive rows."""
+
+    rows: tuple[slice, ...]  # where it has the other value, in each part of the data
+    when: str  # the same in words
+    within: bool  # whether this begins in the midst of a recording
+    column: int = -1  # its column among those of parameters and faults
+    sign: float = 1.0  # of the column
+
+
+def with_change(evidence: Evidence, change: Change) -> Evidence:
+    """Add the column of a change behind the others."""
+
+    def added(table: FloatArray, rows: slice) -> FloatArray:
+        changed = np.zeros(table.shape[1])
+        changed[rows] = change.sign * table[change.column, rows]
+        return np.insert(table, -1, changed, axis=0)
+
+    tables = [[added(*one) for one in zip(of_joint, change.rows, strict=True)] for of_joint in evidence.tables]
+    return evidence.of_tables(tables)
+
+
+def described(change: Change, evidence: Evidence, model: TorqueModel, columns: Sequence[Column]) -> Nuisance:
+    """Name a change, whose column is the last."""
+    count, last = len(evidence.fixed), evidence.factors[0].shape[1] - 2 - len(evidence.fixed)
+    if change.column < count:
+        joint = int(np.flatnonzero(model.acting[:, change.column])[-1])
+        unit, what = model.units[change.column], model.names[change.column]
+    else:
+        kind, joint, _ = columns[change.column - count]
+        unit, what = ("1", "the scale of the torque") if kind == "gain" else ("rad", "the offset of the angle")
+        what = f"{what} of {model.joint_names[joint]}"
+    return Nuisance("change", model.joint_names[joint], joint, unit, (last,), f"{change.when}, {what}")
+
+
+def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -> Change | None:
+    """Find the change of one number that is the least likely in noise, if it explains much."""
+    # Inertia changes with mass moments, which show better. Friction is compared, too: it is another one in the next
+    # recording, but what changes in the midst of one is the form of friction, which hardly moves other parameters.
+    count = len(model.names)
+    free = [k for k in state.evidence.free.tolist() if model.units[k] != "kg·m²"]
+    zeros, gains = ([count + k for k, one in enumerate(nuisances) if one.kind == kind] for kind in ("zero", "gain"))
+    offsets = {name for block in model.blocks if isinstance(block.term, Offset) for name in block.names}
+    moments = {k for k in free if k < len(model.leg.parameter_names)}
+    friction = {k for k in free if k not in moments and model.names[k] not in offsets}
+    columns = [*free, *zeros, *gains]
+    blocks, grams = _grams(state, columns)
+    fitted = len(state.columns)
+    residual = grams[:, :, -1] - grams[:, :, :fitted] @ state.solution  # Xᵀr and Zᵀr of each block
+    inverse, rss = state.pinv @ state.pinv.T, float(state.residual @ state.residual)
+    found: list[tuple[float, float, Change]] = []
+    for place, inside in _places(state.evidence, blocks):
+        part = grams[inside].sum(axis=0)
+        # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
+        share = inverse @ part[:fitted, fitted:-1]
+        size, score = np.diag(part)[fitted:-1], residual[inside, fitted:-1].sum(axis=0)
+        information = size - np.sum(share * part[:fitted, fitted:-1], axis=0)
+        told = (information > 0.01 * size) & (score**2 > LARGE_GAIN * rss * np.maximum(information, TINY))
+        for k in np.flatnonzero(told).tolist():
+            # variance of the score by those of the blocks, less the change
+            a, z = share[:, k], inside[:, None] * grams[:, :, fitted + k]
+            across = z[:, :fitted] - grams[:, :fitted, :fitted] @ a
+            power = z[:, fitted + k] - z[:, :fitted] @ a - across @ a
+            of_blocks = inside * residual[:, fitted + k] - residual[:, :fitted] @ a - power * score[k] / information[k]
+            gain, statistic = score[k] ** 2 / (information[k] * rss), score[k] ** 2 / max(of_blocks @ of_blocks, TINY)
+            # what an angle reads too much is the negative of its column
+            change = place._replace(column=columns[k], sign=-1.0 if columns[k] in zeros else 1.0)
+            found.append((float(statistic), float(gain), change))
+    if not found:
+        return None
+    _, gain, best = max(found, key=lambda one: one[0])
+    if best.column in moments:  # a sensor that explains as much is likelier: its zero turns the mass moment
+        as_much = [one for one in found if one[2].column not in moments | friction and one[1] > gain - LARGE_GAIN]
+        best = max(as_much, key=lambda one: one[0])[2] if as_much else best
+    return None if best.within and best.column in friction else best
+
+
+def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]], FloatArray]:
+    """Begin of each block, part and row, and its [X Z τ]ᵀ[X Z τ]: fitted columns, those of numbers, torque."""
+    evidence = state.evidence
+    size = max(8, -(-sum(len(part.time) for part in evidence.parts) // BLOCKS))
+    blocks, grams = [], []
+    chosen = [*state.columns.tolist(), *columns, -1]
+    for place, (part, rest) in enumerate(zip(evidence.parts, evidence.at_rest, strict=True)):
+        starts = np.linspace(0, len(part.time), 1 if rest else max(1, round(len(part.time) / size)), endpoint=False)
+        several = [w * of_joint[place][chosen] for w, of_joint in zip(state.weights, evidence.tables, strict=True)]
+        for start, stop in pairwise([*starts.astype(np.intp).tolist(), len(part.time)]):
+            blocks.append((place, start))
+            rows = np.hstack([table[:, start:stop] for table in several])
+            grams.append(rows @ rows.T)
+    return blocks, np.array(grams)
+
+
+def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[tuple[Change, NDArray[np.bool_]]]:
+    """Where a number may have another value, and the blocks of it: from a time on, or in one recording alone."""
+    both = pairwise(zip(evidence.sources, evidence.parts, strict=True))
+    # another recording is another file, or times that begin anew
+    begins = [True, *(name != other or after.time[0] < one.time[-1] for (name, one), (other, after) in both)]
+    names = [name or f"recording {number}" for name, number in zip(evidence.sources, np.cumsum(begins), strict=True)]
+    several = sum(begins)
+    parts, count, least = np.array([place for place, _ in blocks]), len(blocks), max(1, len(blocks) // 20)
+    for k in range(least, count - least + 1):
+        place, start = blocks[k]
+        within = start > 0 or not begins[place]
+        time = f"{float(evidence.parts[place].time[start]):.4g} s"
+        when = f"{time} of {names[place]}" if several > 1 else time
+        rows = [slice(0, 0) if other < place else slice(0, None) for other in range(len(begins))]
+        rows[place] = slice(start, None)
+        yield Change(tuple(rows), f"from {when if within else names[place]} on", within), np.arange(count) >= k
+    for place in range(len(begins) if several > 2 and several == len(begins) else 0):
+        alone = tuple(slice(0, None if other == place else 0) for other in range(len(begins)))
+        yield Change(alone, f"in {names[place]}", within=False), parts == place

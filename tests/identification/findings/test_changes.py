@@ -1,0 +1,63 @@
+"""Numbers that change while data are recorded: an encoder that slips, a sensor that is set again, a payload."""
+
+import numpy as np
+import pytest
+from logs import clean, kinds, of_kind, with_column
+from swings import Swing
+
+import exoid
+
+CHANGES = {  # what is logged of the knee after the middle, and how the finding says so
+    "an encoder slips": ("q", lambda x: x + 0.01, 0.01, "rad"),
+    "a torque sensor is set again": ("tau", lambda x: x + 1.0, 1.0, "N·m"),
+    "an amplifier changes its range": ("tau", lambda x: 1.05 * x, 0.05, "1"),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_a_change_within_a_log_is_named_with_its_time_joint_and_size(what):
+    leg, log = clean("cuhk")
+    column, change, value, unit = CHANGES[what]
+    later = log.time > log.time.mean()
+    finding = of_kind(exoid.check(leg, with_column(log, column, 1, lambda x: np.where(later, change(x), x))), "change")
+    assert (finding.joint, finding.unit) == (leg.joint_names[1], unit)
+    assert finding.value == pytest.approx(value, rel=0.05)
+    assert float(finding.message.split()[1]) == pytest.approx(log.time.mean(), abs=1.0)
+
+
+def test_a_change_between_logs_moves_parameters_which_are_doubtful():
+    leg, log = clean("cuhk")
+    other = with_column(clean("cuhk", seed=2)[1], "q", 1, lambda x: x + 0.02)
+    estimate = exoid.identify(leg, [log, other])
+    finding = of_kind(estimate.findings, "change")
+    assert finding.value == pytest.approx(0.02, rel=0.1)
+    assert finding.message.startswith("from recording 2 on, the offset of the angle")
+    errors = {
+        name: abs(estimate[name].value - value) / estimate[name].std
+        for name, value in zip(leg.parameter_names, leg.parameters, strict=True)
+    }
+    assert max(errors.values()) > 2.5
+    assert {name for name, z in errors.items() if z > 2.5} <= set(finding.parameters)
+
+
+def test_one_log_of_several_differs_alone():
+    leg, _ = clean("cuhk")
+    logs = [clean("cuhk", seed=seed)[1] for seed in (1, 2, 3)]
+    logs[1] = with_column(logs[1], "tau", 0, lambda x: x + 2.0)
+    finding = of_kind(exoid.check(leg, logs), "change")
+    assert finding.message.startswith("in recording 2, offset")
+    assert finding.value == pytest.approx(2.0, rel=0.05)
+
+
+def test_a_payload_that_is_not_given_is_a_change_of_mass_moments():
+    leg, log = clean("cuhk")
+    loaded = exoid.rig.leg_with_payloads(leg, [exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.2))])
+    other = Swing(loaded, seconds=30.0, seed=2, smoothing=0.015).recording(v=None, a=None)
+    changes = [one for one in exoid.check(leg, [log, other]) if one.kind == "change"]
+    assert "kg·m" in {one.unit for one in changes}
+
+
+def test_steady_logs_of_other_motions_have_no_change():
+    leg, log = clean("cuhk")
+    slow = Swing(leg, seconds=40.0, seed=3, base=0.05, smoothing=0.015).recording(v=None, a=None)
+    assert kinds(exoid.check(leg, [log, clean("cuhk", seed=4)[1], slow])) == set()
