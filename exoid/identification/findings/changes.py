@@ -22,7 +22,9 @@ from .evidence import Evidence
 from .kinds import Nuisance
 from .score import LARGE_GAIN, State
 
-BLOCKS = 60  # of all data, between which a number may change
+BLOCKS, MUCH = 60, 0.1
+"""Blocks of all data, between which a number may change, and part of the squared residuals that a change explains at
+least: what friction of another form leaves of a real log looks like one with less."""
 
 
 class Change(NamedTuple):
@@ -82,7 +84,7 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
         share = inverse @ part[:fitted, fitted:-1]
         size, score = np.diag(part)[fitted:-1], residual[inside, fitted:-1].sum(axis=0)
         information = size - np.sum(share * part[:fitted, fitted:-1], axis=0)
-        told = (information > 0.01 * size) & (score**2 > LARGE_GAIN * rss * np.maximum(information, TINY))
+        told = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
         for k in np.flatnonzero(told).tolist():
             # variance of the score by those of the blocks, less the change
             a, z = share[:, k], inside[:, None] * grams[:, :, fitted + k]

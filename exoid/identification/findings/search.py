@@ -64,8 +64,9 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
         before = State.of(evidence, ()).values
         changes: list[Change] = []
         for _ in range(6):  # at most so many faults
-            change = find_change(beside.fit(), fitted.model, columns)
-            if change is not None:
+            beside_friction = State.of(beside.evidence, (*beside.staying(), *always, *friction))
+            change = find_change(beside_friction, fitted.model, columns)
+            if change is not None and change not in changes:
                 changes.append(change)
                 beside = beside._replace(evidence=with_change(beside.evidence, change))
                 candidates = (*candidates, described(change, beside.evidence, fitted.model, columns))
