@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.regression.least_squares import TINY
@@ -77,13 +76,17 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
     fitted = len(state.columns)
     residual = grams[:, :, -1] - grams[:, :, :fitted] @ state.solution  # Xᵀr and Zᵀr of each block
     inverse, rss = state.pinv @ state.pinv.T, float(state.residual @ state.residual)
+    each = grams[:, :fitted, fitted:-1], np.diagonal(grams, axis1=1, axis2=2)[:, fitted:-1], residual[:, fitted:-1]
+    # Xᵀz, zᵀz and zᵀr of all blocks before each
+    sums = [np.cumsum(np.insert(x, 0, 0.0, axis=0), axis=0) for x in each]
     found: list[tuple[float, float, Change]] = []
-    for place, inside in _places(state.evidence, blocks):
-        part = grams[inside].sum(axis=0)
+    for place, first, last in _places(state.evidence, blocks):
+        inside = np.zeros(len(blocks))
+        inside[first:last] = 1.0
+        crossed, size, score = (total[last] - total[first] for total in sums)
         # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
-        share = inverse @ part[:fitted, fitted:-1]
-        size, score = np.diag(part)[fitted:-1], residual[inside, fitted:-1].sum(axis=0)
-        information = size - np.sum(share * part[:fitted, fitted:-1], axis=0)
+        share = inverse @ crossed
+        information = size - np.sum(share * crossed, axis=0)
         told = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
         for k in np.flatnonzero(told).tolist():
             # variance of the score by those of the blocks, less the change
@@ -120,14 +123,14 @@ def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]],
     return blocks, np.array(grams)
 
 
-def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[tuple[Change, NDArray[np.bool_]]]:
-    """Where a number may have another value, and the blocks of it: from a time on, or in one recording alone."""
+def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[tuple[Change, int, int]]:
+    """Where a number may have another value, first and last block: from a time on, or in one recording alone."""
     both = pairwise(zip(evidence.sources, evidence.parts, strict=True))
     # another recording is another file, or times that begin anew
     begins = [True, *(name != other or after.time[0] < one.time[-1] for (name, one), (other, after) in both)]
     names = [name or f"recording {number}" for name, number in zip(evidence.sources, np.cumsum(begins), strict=True)]
     several = sum(begins)
-    parts, count, least = np.array([place for place, _ in blocks]), len(blocks), max(1, len(blocks) // 20)
+    count, least = len(blocks), max(1, len(blocks) // 20)
     for k in range(least, count - least + 1):
         place, start = blocks[k]
         within = start > 0 or not begins[place]
@@ -135,7 +138,8 @@ def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[t
         when = f"{time} of {names[place]}" if several > 1 else time
         rows = [slice(0, 0) if other < place else slice(0, None) for other in range(len(begins))]
         rows[place] = slice(start, None)
-        yield Change(tuple(rows), f"from {when if within else names[place]} on", within), np.arange(count) >= k
-    for place in range(len(begins) if several > 2 and several == len(begins) else 0):
+        yield Change(tuple(rows), f"from {when if within else names[place]} on", within), k, count
+    edges = np.searchsorted([place for place, _ in blocks], range(len(begins) + 1)).tolist()
+    for place, (first, last) in enumerate(pairwise(edges) if several == len(begins) > 2 else ()):
         alone = tuple(slice(0, None if other == place else 0) for other in range(len(begins)))
-        yield Change(alone, f"in {names[place]}", within=False), parts == place
+        yield Change(alone, f"in {names[place]}", within=False), first, last

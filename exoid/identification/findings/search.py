@@ -64,13 +64,15 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
         before = State.of(evidence, ()).values
         changes: list[Change] = []
         for _ in range(6):  # at most so many faults
-            beside_friction = State.of(beside.evidence, (*beside.staying(), *always, *friction))
+            state = beside.fit()
+            beside_friction = State.of(beside.evidence, (*beside.staying(), *always, *friction), near=state)
             change = find_change(beside_friction, fitted.model, columns)
             if change is not None and change not in changes:
                 changes.append(change)
                 beside = beside._replace(evidence=with_change(beside.evidence, change))
                 candidates = (*candidates, described(change, beside.evidence, fitted.model, columns))
-            likely = _likely(beside, candidates, limit)
+                state = beside.fit(near=state)
+            likely = _likely(beside, state, candidates, limit)
             if not likely:
                 break
             best, delta = likely[0].nuisance, 0.0
@@ -144,9 +146,8 @@ def _counts(score: Score, limit: float) -> bool:
     return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > least)
 
 
-def _likely(beside: _Beside, candidates: Sequence[Nuisance], limit: float) -> list[Score]:
+def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit: float) -> list[Score]:
     """Most convincing fault that is significant and moves a parameter out of its interval, and those as likely."""
-    state = beside.fit()
     plain = State.of(beside.evidence, beside.staying(), like=state)
     new = [nuisance for nuisance in candidates if nuisance not in beside.faults]
     limits = [WORTH_A_LOOK if nuisance.kind == "torque-delay" else limit for nuisance in new]
