@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 import pytest
-from planar_chains import assert_relative
 from public_robots import urdf_of
 from turns import best_of_turns, show, with_memory
 
@@ -123,15 +122,6 @@ MAKERS = dict(zip(FLOORS, (arm, sagittal_base, free_base), strict=True))
 def case(request):
     """Name and robot."""
     return request.param, MAKERS[request.param](SAMPLES)
-
-
-def test_the_batched_regressor_is_pinocchios_in_base_parameters(case):
-    name, robot = case
-    Y = stored(robot, CHECKED)
-    assert_relative(robot.batched()[:CHECKED], Y[..., robot.columns], 1e-12)
-    rows, kept = (x.reshape(-1, x.shape[-1]) for x in (Y, Y[..., robot.columns]))
-    if name == "two legs, free base":  # its columns were chosen by hand
-        assert np.linalg.matrix_rank(rows, tol=1e-7) == np.linalg.matrix_rank(kept, tol=1e-7) == len(robot.columns)
 
 
 def test_the_batched_regressor_is_faster_than_loops_over_pinocchios(case):

@@ -9,10 +9,9 @@ from lxml import etree
 from made_estimates import made, motion_within
 from mujoco_torques import mujoco_model, mujoco_torque
 from public_robots import urdf_of
-from swings import harmonics
 
 import exoid
-from exoid import Armature, Coulomb, Leg, Offset, Recording, Stiffness, Viscous
+from exoid import Armature, Coulomb, Leg, Offset, Stiffness, Viscous
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift.lumping import distribute_bodies
@@ -90,32 +89,6 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
     assert (friction > 0.0).all()
     torque += friction * np.tanh(v / SMOOTHING)
     np.testing.assert_allclose(torque, estimate.torque(q, v, a), rtol=0, atol=1e-9)
-
-
-def test_identifying_a_simulation_of_the_exported_leg_returns_the_estimate(leg, tmp_path):
-    """The leg comes from the URDF, friction from its <dynamics>, the rest from what the export says."""
-    terms = (*FRICTION, Armature(), Offset())
-    estimate = estimate_of(leg, terms, rigid=near(leg, 0.1))
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
-    again = reloaded(leg, export.urdf)
-    time = np.arange(2000) / 100.0
-    n = len(leg.joint_names)
-    omega = 2.0 * np.pi * np.array([0.13, 0.37, 0.61])
-    rng = np.random.default_rng(3)
-    size, phase = rng.uniform(0.1, 0.3, (n, 3)), rng.uniform(0.0, 6.0, (n, 3))
-    q, v, a = harmonics(time, size, omega, phase)
-    tau = again.inverse_dynamics(q, v, a)
-    root = etree.parse(str(export.urdf)).getroot()
-    beside = export.to_json()["values"]
-    for k, (joint, label) in enumerate(zip(leg.joint_names, leg.joint_labels, strict=True)):
-        dynamics = root.find(f"joint[@name='{joint}']/dynamics")
-        tau[:, k] += float(dynamics.get("friction")) * np.tanh(v[:, k] / SMOOTHING)
-        tau[:, k] += float(dynamics.get("damping")) * v[:, k]
-        tau[:, k] += beside.get(f"Ia_{label}", 0.0) * a[:, k] + beside[f"offset_{label}"]
-    recording = Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
-    found = exoid.identify(again, recording, terms)
-    assert found.names == estimate.names
-    np.testing.assert_allclose(found.values, estimate.values, rtol=1e-7, atol=1e-8)
 
 
 def test_an_identified_example_is_exported_as_it_is(data, estimate, tmp_path):

@@ -43,14 +43,6 @@ def record(sessions, seed=0, **noises):
     return {name: session.recording(rng, noises.get(name, Noise())) for name, session in sessions.items()}
 
 
-def test_without_noise_shared_and_own_parameters_are_exact(leg, days):
-    together = identify(leg, record(days), TERMS, own="offset", preparation=PLAIN)
-    np.testing.assert_allclose(together.values, truth_of(together, days), rtol=1e-8, atol=1e-9)
-    for day, zero in ZEROS.items():
-        found = [together[day].value(f"offset_{joint}") for joint in ("hip", "knee", "ankle")]
-        np.testing.assert_allclose(found, zero, atol=1e-9)
-
-
 def test_one_offset_for_all_days_must_be_wrong(leg, days):
     """Without noise, inertia and friction are off where there is but one offset, and exact where each day has one."""
     recordings, truth = record(days), days["monday"].truth
@@ -61,31 +53,6 @@ def test_one_offset_for_all_days_must_be_wrong(leg, days):
     right = np.abs(together.values - truth_of(together, days))[: len(shared)]
     assert (off > 1e4 * right).all()
     assert (plain.residual_rms > 0.2).all()
-
-
-def test_with_noise_offsets_of_their_own_make_everything_else_surer(leg, days):
-    noise = Noise((0.3, 0.2, 0.1))
-    recordings = record(days, **dict.fromkeys(days, noise))
-    plain = identify(leg, recordings.values(), TERMS)
-    together = identify(leg, recordings, TERMS, own=["offset"])
-    count = len(together.shared)
-    ratio = together.std[:count] / plain.std[[plain.names.index(name) for name in together.shared]]
-    print("std with offsets of their own over std with one offset:", ratio.round(2))
-    assert (ratio < 0.6).all()
-    error = np.abs(together.values - truth_of(together, days)) / together.std
-    assert error.max() < 4.0
-
-
-def test_the_noisier_leg_counts_less(legs, sides):
-    quiet, loud = Noise(0.05), Noise(1.0)
-    recordings = record(sides, left=quiet, right=loud)
-    together = exoid.identify(legs, recordings, TERMS)
-    alone = identify(legs["left"], recordings["left"], TERMS)
-    count = len(together.shared)
-    ratio = together.std[:count] / alone.std[:count]  # blocks are cut otherwise
-    np.testing.assert_allclose(ratio, 1.0, rtol=0.2)
-    assert np.exp(np.log(ratio).mean()) == pytest.approx(1.0, rel=0.07)
-    assert (np.abs(together.values[:count] - alone.values[:count]) < alone.std[:count]).all()
 
 
 @pytest.mark.slow

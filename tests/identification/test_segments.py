@@ -88,16 +88,6 @@ def test_an_estimate_says_which_segments_it_is_from_and_its_file_too(tmp_path):
     assert "segments" not in whole.to_json()["inputs"][0]
 
 
-def test_samples_outside_do_not_count_in_the_noise():
-    """Fifty times the noise outside changes neither residuals nor the number of samples."""
-    noise = coloured(2, 0.0)
-    quiet = exoid.identify(swing().leg, segmented(noise=noise), TERMS)
-    loud = exoid.identify(swing().leg, segmented(noise=np.where(mask()[:, None], noise, 50.0 * noise)), TERMS)
-    assert loud.noise == quiet.noise
-    np.testing.assert_array_equal(loud.residual_rms, quiet.residual_rms)
-    assert quiet.noise[0].samples < 0.5 * exoid.identify(swing().leg, log(noise=noise), TERMS).noise[0].samples
-
-
 def test_a_dead_torque_channel_outside_the_segments_is_none():
     tau = np.where(mask()[:, None], swing().torque, 0.0)
     assert error(dataclasses.replace(segmented(), tau=tau)) < 1e-4

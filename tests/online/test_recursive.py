@@ -78,18 +78,6 @@ def test_the_filter_costs_no_phase_error(leg, truth):
     np.testing.assert_allclose(online.estimate.values, batch.values, rtol=0.02, atol=0.02)
 
 
-@pytest.mark.slow
-def test_intervals_contain_the_truth(leg, truth):
-    inside = []
-    for seed in range(12):
-        q, v, a, tau = swing(leg, truth, 12.0, seed)
-        online = RecursiveEstimator(leg, TERMS, rate=RATE, memory=np.inf, reversal_speed=0.2)
-        online.update(q, v, a, tau)
-        estimate = online.estimate
-        inside.append(np.abs(estimate.values - truth) <= estimate.interval(0.95)[:, 1] - estimate.values)
-    assert np.mean(inside) > 0.9
-
-
 def test_with_correlated_noise_intervals_are_wider(leg, truth):
     q, v, a, clean = swing(leg, truth, 12.0, noise=0.0)
     rng = np.random.default_rng(3)

@@ -11,7 +11,6 @@ from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.leg.torso import TorsoMotion
 from exoid.regression import rows as rows_module
-from exoid.regression.every_row import make_rows
 from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -39,17 +38,6 @@ def short_stretches(monkeypatch):
         monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
 
     return shorten
-
-
-def test_every_row_of_many_stretches_is_that_of_all_rows_at_once(short_stretches):
-    """Their order, and of each the parameters and joints."""
-    model, log = TorqueModel(exoid.load_leg("bleex"), TERMS), recording().slice(0, 2500)
-    whole = make_rows(model, log, ZeroPhase())
-    short_stretches()
-    parts = make_rows(model, log, ZeroPhase())
-    np.testing.assert_array_equal(parts.time, whole.time)
-    np.testing.assert_allclose(parts.W, whole.W, atol=1e-9 * np.abs(whole.W).max())
-    np.testing.assert_allclose(parts.tau, whole.tau, atol=1e-9 * np.abs(whole.tau).max())
 
 
 SLOW = [pytest.mark.slow]

@@ -67,22 +67,6 @@ def test_the_page_fits_windows_of_any_width(browser, url, width):
         assert page.evaluate("document.documentElement.clientWidth") == width
 
 
-def test_tables_on_a_phone_scroll_visibly_and_text_of_figures_is_readable(browser, url):
-    with browser.page(url, PHONE) as page:
-        page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
-        tables = page.evaluate(
-            "[...document.querySelectorAll('.shaded')].map(d => [d.scrollWidth > d.clientWidth, d.tabIndex,"
-            " getComputedStyle(d).backgroundImage.startsWith('linear-gradient'),"
-            " getComputedStyle(d.querySelector('th')).position])"
-        )
-        assert any(scrolls for scrolls, *_ in tables)
-        assert all(rest == [0, True, "sticky"] for _, *rest in tables)
-        names = page.evaluate("[...document.querySelectorAll('tbody th')].map(t => t.getBoundingClientRect().width)")
-        assert min(names) > 20.0  # no column of single letters
-        shown = page.evaluate("[...document.querySelectorAll('figure img')].map(i => i.width / i.naturalWidth)")
-        assert 7.0 * min(shown) / 0.75 > 10.5  # the smallest text has 7 points
-
-
 def test_paper_holds_whole_rows_and_no_empty_page(browser, url, tmp_path):
     reader = shutil.which("pdftotext")
     if reader is None:
