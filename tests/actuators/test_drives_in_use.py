@@ -12,7 +12,6 @@ import exoid
 from exoid.actuators import Actuators, Coupling, Motor, SeriesElastic, read_actuators, write_actuators
 from exoid.cli import app
 from exoid.signals import Recordings
-from exoid.view.report import identification_report
 
 DATA = exoid.datasets.bleex_swing()
 LEG = DATA.leg
@@ -110,27 +109,6 @@ def test_checks_look_at_what_the_drive_measured() -> None:
     assert exoid.check(LEG, forces, actuators=CYLINDERS) == ()
 
 
-def test_a_controller_commands_amperes_within_the_limits_of_its_motors(by_torque) -> None:
-    limited = Actuators.of(LEG, {joint: Motor(0.07, ratio=50.0, max_current=2.0) for joint in LEG.joint_names})
-    q, v = np.array([0.1, -0.3, 0.0]), np.zeros(3)
-    target = exoid.rig.Target(np.array([0.11, -0.6, 0.0]), v)
-    torque = exoid.control.pd(400.0, 10.0).torque(exoid.control.State(q, v), target)
-    (commands,) = limited.command(torque, q, v)
-    np.testing.assert_allclose(commands, [4.0 / 3.5, -2.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(limited.torque_of(commands[None], q[None], v[None])[0], [4.0, -7.0, 0.0], atol=1e-12)
-
-
-def test_a_tracked_motion_has_its_forces(by_force) -> None:
-    plant = exoid.rig.Plant.build(LEG)
-    hold = exoid.experiments.Hold(np.array([[0.5], [-0.7], [0.0]]))
-    run = exoid.control.simulate_law(plant, exoid.control.pd(400.0, 20.0), hold, 0.5)
-    forces = CYLINDERS.command(run.tau, run.q, run.v)
-    expected = run.tau[-1] / [
-        CYLINDERS.drives[j].moment_arm.arm(run.q[-1:, k])[0] for k, j in enumerate(LEG.joint_names)
-    ]
-    np.testing.assert_allclose(forces[-1], expected)
-
-
 def test_the_rig_logs_what_drives_measure() -> None:
     plant = exoid.rig.Plant.build(LEG)
     hold = exoid.experiments.Hold(np.array([[0.5], [-0.7], [0.0]]))
@@ -139,15 +117,6 @@ def test_the_rig_logs_what_drives_measure() -> None:
     log = run.recording(actuators=CYLINDERS)
     assert log.tau is None
     np.testing.assert_allclose(CYLINDERS.torque(log).tau, run.recording().tau, rtol=1e-9, atol=1e-9)
-
-
-@pytest.mark.nightly
-def test_the_report_names_the_drives(by_force, tmp_path) -> None:
-    page = identification_report(by_force, [log_of(CYLINDERS)])
-    page.save(tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "Torques were computed of what these drives measured" in text
-    assert "left_knee: linear, left_thigh at (0.062, 0, -0.075) m" in text
 
 
 @pytest.mark.slow

@@ -52,14 +52,6 @@ def test_without_what_acts_beside_the_rigid_bodies_it_is_not(arm):
     assert (rmse > 1.5 * rms_behind_filter(noise, arm.rate)).all()
 
 
-def test_exact_torques_give_the_parameters(arm):
-    """All that is left is the error of the derivatives and of the low-pass on the angles."""
-    estimate = identify(arm.leg, arm.recording(TRAIN, 0.0))
-    truth = np.array([arm.truth[name] for name in estimate.names])
-    effect = np.abs(estimate.values - truth) / estimate.parameter_scale
-    assert effect.max() < 1e-3
-
-
 def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concerned(arm):
     """All joints follow one sine: rank is missing."""
     time, q, _, _ = arm.motion(TRAIN)

@@ -14,7 +14,6 @@ from exoid.identification.findings.checkup import signal_findings
 from exoid.identification.findings.loop_gap import loop_gaps
 from exoid.leg.description import read_description
 from exoid.torques import TorqueModel
-from exoid.view.scenes.skeleton import Skeleton
 
 SOME = 0.02  # friction of the motors [N·m·s/rad]
 
@@ -124,11 +123,3 @@ def test_the_command_line_takes_loops(tmp_path):
     assert json.loads(run.stdout) is not None
     run = CliRunner().invoke(app, ["identify", urdf, logs[0], "--loops", urdf])
     assert isinstance(run.exception, exoid.errors.UnreadableInputError)
-
-
-def test_dependent_joints_move_in_a_scene(leg):
-    moved = Skeleton(leg).joint_transforms(np.array([[0.0, 0.0], [0.2, 0.1]]))
-    assert moved.shape == (2, len(leg.tree_joint_names), 4, 4)
-    assert (np.abs(moved[1] - moved[0]).max(axis=(1, 2)) > 1e-3).all()
-    drawn = exoid.view.scene(leg, recording=swing(leg, 0))
-    assert all(name in str(drawn.commands) for name in leg.tree_joint_names)

@@ -75,16 +75,6 @@ def test_the_order_of_recordings_and_of_their_joints_does_not_matter():
     np.testing.assert_allclose(one.values, other.values, rtol=1e-9)
 
 
-def test_twice_the_data_halve_the_variance():
-    swing = Swing(load("cuhk-left-nominal"))
-    recording = swing.with_noise(np.random.default_rng(1), 0.3)
-    options = {"preparation": FiniteDifference(), "noise": "white"}
-    once = identify(swing.leg, recording, TERMS, **options)
-    twice = identify(swing.leg, [recording, recording], TERMS, **options)
-    np.testing.assert_allclose(twice.values, once.values, rtol=1e-9)
-    np.testing.assert_allclose(twice.covariance, once.covariance * once.dof / twice.dof, rtol=1e-9)
-
-
 def test_every_term_is_recovered_beside_the_rigid_bodies():
     """Knee and ankle stiffness, rotor inertia and sensor zero, each at the joint that has it."""
     swing = Swing(load("bleex-left-cad"), base=0.2)

@@ -5,7 +5,7 @@ import pytest
 from swings import TERMS, Swing
 
 import exoid
-from exoid import Armature, Coulomb, ExoidError, Offset, Recording, Stiffness, Viscous
+from exoid import Coulomb, ExoidError, Offset, Recording, Viscous
 from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
 from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 
@@ -146,12 +146,6 @@ def test_one_joint_after_another_is_enough_without_rotors(swing):
     np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
 
 
-def test_a_hip_that_moves_while_another_recording_moves_the_rest_is_not_still(swing):
-    motions = [moved(swing, np.diag([1.0, 0.0, 0.0])), moved(swing, np.diag([0.0, 1.0, 1.0]))]
-    estimate = exoid.identify(swing.leg, motions, TERMS, preparation=PLAIN)
-    assert estimate.condition_number < 100.0
-
-
 def test_further_joints_of_the_recording_are_ignored(swing):
     q, v, a = (np.column_stack([x[:, 2], x, x[:, 0]]) for x in swing.motion)
     tau = np.column_stack([swing.torque[:, 2], swing.torque, np.zeros(len(q))])
@@ -159,21 +153,6 @@ def test_further_joints_of_the_recording_are_ignored(swing):
     recording = Recording(swing.time, q, v, a, tau, joint_names=names)
     estimate = exoid.identify(swing.leg, recording, TERMS, preparation=PLAIN)
     np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
-
-
-def test_stiffness_and_offset_are_one_parameter_and_the_estimate_says_so(swing):
-    estimate = exoid.identify(swing.leg, swing.recording(), (*TERMS, Stiffness(joints=("ankle",)), Offset()))
-    assert [regrouped.name for regrouped in estimate.regrouped] == ["offset_ankle"]
-    assert "offset_ankle" not in estimate.names
-    assert "note: offset_ankle is regrouped into b0_ankle: no motion distinguishes them" in str(estimate)
-
-
-def test_a_rotor_at_the_hip_is_part_of_j1_and_the_estimate_says_so(swing):
-    a = swing.motion[2]
-    tau = swing.torque + 0.3 * a * [1.0, 0.0, 0.0]
-    estimate = exoid.identify(swing.leg, swing.recording(tau=tau), (*TERMS, Armature()), preparation=PLAIN)
-    assert estimate.value("J1") == pytest.approx(swing.leg.parameters[2] + 0.3, rel=1e-8)
-    assert "note: Ia_hip is regrouped into J1: no motion distinguishes them" in str(estimate)
 
 
 def test_a_free_swing_beside_a_driven_one_is_not_a_dead_channel(swing):
