@@ -43,16 +43,6 @@ def known_before(name, truth):
     return SequentialEstimate(tuple(before), np.array([truth[n] for n in before]), np.zeros((len(before), len(before))))
 
 
-@pytest.mark.parametrize("name", BLEEX_STEPS)
-def test_each_step_of_document_1_works_alone(name, exact, data):
-    known = bleex_step(name, known_before(name, exact.truth), exact.model, data)
-    found = known.as_dict()
-    for parameter in BLEEX_STEPS[name]:
-        assert found[parameter] == pytest.approx(exact.truth[parameter], rel=1e-9, abs=1e-9)
-    assert known.names[-len(BLEEX_STEPS[name]) :] == BLEEX_STEPS[name]
-    assert known.covariance.shape == (len(known.names),) * 2
-
-
 def test_all_steps_in_turn_give_every_parameter_back(exact, data):
     found = bleex_all(exact.model, data).as_dict()
     assert found.keys() == exact.truth.keys()

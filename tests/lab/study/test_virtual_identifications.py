@@ -2,10 +2,7 @@
 
 import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -167,21 +164,6 @@ def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_toget
 @pytest.mark.slow
 def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
-
-
-@pytest.mark.nightly
-def test_scripts_need_no_main_guard_for_processes(tmp_path):
-    """Workers do not run the script anew, as multiprocessing's own do."""
-    script = tmp_path / "script.py"
-    script.write_text(
-        "import sys\n"
-        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
-        "from test_virtual_identifications import *\n"
-        "print(figures(run_study(study(), workers=2)))\n",
-        encoding="utf-8",
-    )
-    ran = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=200, check=True)
-    assert ran.stdout == figures(run_study(study())) + "\n"
 
 
 @pytest.mark.parametrize(
