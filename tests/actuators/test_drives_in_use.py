@@ -109,6 +109,16 @@ def test_checks_look_at_what_the_drive_measured() -> None:
     assert exoid.check(LEG, forces, actuators=CYLINDERS) == ()
 
 
+def test_a_controller_commands_amperes_within_the_limits_of_its_motors(by_torque) -> None:
+    limited = Actuators.of(LEG, {joint: Motor(0.07, ratio=50.0, max_current=2.0) for joint in LEG.joint_names})
+    q, v = np.array([0.1, -0.3, 0.0]), np.zeros(3)
+    target = exoid.rig.Target(np.array([0.11, -0.6, 0.0]), v)
+    torque = exoid.control.pd(400.0, 10.0).torque(exoid.control.State(q, v), target)
+    (commands,) = limited.command(torque, q, v)
+    np.testing.assert_allclose(commands, [4.0 / 3.5, -2.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(limited.torque_of(commands[None], q[None], v[None])[0], [4.0, -7.0, 0.0], atol=1e-12)
+
+
 def test_the_rig_logs_what_drives_measure() -> None:
     plant = exoid.rig.Plant.build(LEG)
     hold = exoid.experiments.Hold(np.array([[0.5], [-0.7], [0.0]]))

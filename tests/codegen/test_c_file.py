@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compiled import COMPILER, EVERY_TERM, CompiledLeg, compile_c, made_up, needs_compiler, source_of
-from planar_chains import assert_relative, random_chain, random_motion
+from compiled import COMPILER, CompiledLeg, compile_c, made_up, needs_compiler, source_of
+from planar_chains import assert_relative, random_motion
 
 import exoid
-from exoid import Coulomb, Leg, Offset, Stiffness, Viscous
+from exoid import Leg, Viscous
 from exoid.codegen import c_source, write_c
 from exoid.estimate.data import Input
 from exoid.leg.description import describe
@@ -18,14 +18,6 @@ from exoid.torques import TorqueModel
 
 CUHK = exoid.load_leg("cuhk")
 ESTIMATE = made_up(CUHK)
-
-TERM_SETS = {
-    "every": EVERY_TERM,
-    "none": (),
-    "friction": (Coulomb(smoothing=0.0, dead_band=0.1), Viscous()),
-    "springs": (Stiffness(degree=8),),
-    "offset": (Offset(joints=("hip",)),),
-}
 
 
 def checked(tmp_path, *flags):
@@ -35,17 +27,6 @@ def checked(tmp_path, *flags):
     if subprocess.run(command, capture_output=True, check=False).returncode:
         pytest.skip(f"the compiler does not know {' '.join(flags)}")
     return flags
-
-
-@pytest.mark.slow
-@needs_compiler
-@pytest.mark.parametrize("precision", ["double", "float"])
-@pytest.mark.parametrize("terms", TERM_SETS.values(), ids=TERM_SETS)
-@pytest.mark.parametrize("joints", [1, 3])
-def test_every_file_compiles_without_a_warning(joints, terms, precision, tmp_path):
-    leg = random_chain(np.random.default_rng(joints), joints).leg()
-    made_up(leg, terms).to_c(tmp_path / "leg.c", precision=precision)
-    compile_c(("-O2", "-c"), tmp_path / "leg.c", to=tmp_path / "leg.o")
 
 
 @needs_compiler

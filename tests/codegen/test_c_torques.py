@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compiled import EVERY_TERM, CompiledLeg, made_up, needs_compiler, source_of
+from compiled import CompiledLeg, made_up, needs_compiler, source_of
 from planar_chains import assert_relative, random_chain, random_motion
 
 import exoid
@@ -107,14 +107,6 @@ def test_every_form_of_every_term_is_the_same_in_c(terms, tmp_path):
         [1.0, -1.0],
     ]
     assert_relative(c("inverse_dynamics", q, v, a), estimate.torque(q, v, a), EXACT)
-
-
-def test_an_estimate_from_data_survives_the_way_through_its_file_into_c(tmp_path, data):
-    exoid.identify(data.leg, data.train, terms=EVERY_TERM).save(tmp_path / "est.json")
-    estimate = exoid.Estimate.load(tmp_path / "est.json")
-    motion = motion_of(estimate)
-    c = CompiledLeg(estimate.to_c(tmp_path / "leg.c"), tmp_path)
-    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), EXACT)
 
 
 def test_a_wrong_sign_would_be_seen(tmp_path):

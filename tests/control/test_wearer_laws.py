@@ -58,22 +58,6 @@ def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
     assert (torque == 0.0)[:, np.abs(v[0]) > 2.0].all() or d > 0.0
 
 
-def test_a_leg_at_rest_stays_at_rest_and_a_moving_one_slows_down():
-    """Weight and friction are compensated; nothing else moves the leg."""
-    law = gravity_support(RUBBING, friction=FrictionCompensation(drives=False), rate=500.0)
-    rest = simulate_law(RUBBING, law, HOLD, 3.0, sensors=EXACT)
-    np.testing.assert_array_equal(rest.q[-1], POSE)
-
-    class Throw:
-        def at(self, time):
-            return Target(POSE[:, None], np.array([[1.0], [-1.0]]))
-
-    thrown = simulate_law(RUBBING, law, Throw(), 0.6, sensors=EXACT)
-    speed = np.einsum("ki,ki->k", thrown.v, dynamic_torque(SMOOTH, thrown.q, 0 * thrown.v, thrown.v))
-    assert speed[-1] < 1.002 * speed[0]
-    assert speed[-1] > 0.5 * speed[0]
-
-
 # --------------------------------------------------------------------------------------------- weight
 
 

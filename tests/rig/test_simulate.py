@@ -1,22 +1,14 @@
 """Runs: sensors, rates, seeds, batches and refusals."""
 
-import re
-
 import numpy as np
 import pytest
-from planar_chains import random_chain
 from rigs import BLEEX, EVERYTHING, FRICTION, Swing
 
-import exoid
-from exoid import ExoidError, Leg
-from exoid.experiments import Hold
-from exoid.leg.description import describe
+from exoid import ExoidError
 from exoid.rig import (
     HydraulicServo,
-    IdealTorque,
     Plant,
     Proportional,
-    ProportionalDerivative,
     Rates,
     Sensors,
     simulate,
@@ -86,18 +78,6 @@ def test_rigs_in_a_batch_behave_like_single_rigs():
     assert np.abs(together.tau[..., 0] - together.tau[..., 4]).max() > 1.0
 
 
-def test_a_leg_that_is_not_planar_runs_on_pinocchio():
-    first, rest = random_chain(np.random.default_rng(2), 2).text.split("<axis", 1)
-    turned = re.sub(r'xyz="[^"]*"', 'xyz="0.6 0 0.8"', rest, count=1)
-    leg = Leg.from_description(describe(f"{first}<axis{turned}"))
-    assert leg.chain is None
-    plant = Plant.build(leg, {"c0_hip": 0.5, "c0_knee": 0.5, "d_hip": 0.1})
-    law = ProportionalDerivative(50.0, 5.0)
-    done = simulate(plant, Hold(np.full((2, 1), 0.2)), law, IdealTorque(), 2.0, start=np.zeros((2, 1)))
-    assert np.abs(done.q[-1]).max() > 0.0
-    assert done.energy.relative_error[0] < 1e-4
-
-
 def test_a_log_becomes_a_recording():
     done = run(Plant.build(BLEEX, FRICTION, pitch=0.2), sensors=NOISY)
     recording = done.recording(velocity=True)
@@ -109,30 +89,3 @@ def test_a_log_becomes_a_recording():
     assert done.recording().v is None
     with pytest.raises(ExoidError, match="no rig 1"):
         done.recording(1)
-
-
-def test_a_rig_obeys_its_own_inverse_dynamics():
-    """A run sampled at every step, differentiated: torque = RNEA + friction + springs + rotor where the leg moves."""
-    leg = exoid.load_leg("cuhk")
-    plant = Plant.build(leg, {"c0_hip": 1.4, "d_knee": 0.2, "b1_knee": 0.5, "Ia_hip": 0.8}, end_stops=False)
-    reference = Hold(np.array([[0.5], [0.9]]))
-    step = 2e-4
-    done = simulate(
-        plant,
-        reference,
-        Proportional(80.0),
-        IdealTorque(),
-        0.5,
-        start=np.zeros((2, 1)),
-        rates=Rates(100.0, 1 / step, step),
-    )
-    q, v = (0.5 * (x[1:, :, 0] + x[:-1, :, 0]) for x in (done.q, done.v))
-    a = np.diff(done.v[..., 0], axis=0) / step
-    expected = leg.inverse_dynamics(q, v, a)
-    expected[:, 0] += 1.4 * np.sign(v[:, 0]) + 0.8 * a[:, 0]
-    expected[:, 1] += 0.2 * v[:, 1] + 0.5 * q[:, 1]
-    turning = (np.sign(done.v[1:, 0, 0]) != np.sign(done.v[:-1, 0, 0])) | (np.abs(v[:, 0]) < 0.01)
-    assert turning.mean() < 0.2
-    error = np.abs(done.tau[1:, :, 0] - expected)[~turning]
-    assert np.median(error) < 1e-3
-    assert error.max() < 0.05  # in the one step after each jump of the command, of tens of N·m

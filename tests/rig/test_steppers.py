@@ -3,7 +3,6 @@
 import mujoco
 import numpy as np
 import pytest
-from planar_chains import random_chain
 from rigs import BLEEX, EVERYTHING, FRICTION, POSE, torque, zeros
 
 import exoid
@@ -45,21 +44,6 @@ def test_one_rig_by_pinocchio_moves_as_many_in_closed_form(end_stops, pitch):
     assert seen == ({-1.0, 0.0, 1.0, "stop"} if end_stops else {-1.0, 0.0, 1.0})
     gains = [rig.energy() - before for rig, before in zip(rigs, start, strict=True)]
     np.testing.assert_allclose(gains[1], gains[0][0], rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("n", [1, 2, 4, 5])
-def test_so_does_any_planar_chain(n):
-    rng = np.random.default_rng(n)
-    leg = random_chain(rng, n, continuous=True).leg()
-    values = {f"c0_{label}": 0.5 for label in leg.joint_labels}
-    plant = Plant.build(leg, values, pitch=-0.2, end_stops=False)
-    q, v = rng.normal(size=(2, n, 1))
-    rigs = one_and_two(plant, q, v, 5e-4)
-    for _ in range(1000):
-        for rig in rigs:
-            rig.step(np.zeros_like(rig.q), np.zeros_like(rig.q))
-    np.testing.assert_allclose(rigs[1].q, np.tile(rigs[0].q, 2), rtol=0, atol=1e-9)
-    assert np.abs(rigs[0].q - q).max() > 0.1
 
 
 @pytest.mark.slow

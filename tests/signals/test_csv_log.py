@@ -81,14 +81,6 @@ def test_degrees_apply_to_angles_velocities_and_accelerations_but_not_to_torques
     assert recording.tau[2, 0] == 9.0
 
 
-def test_uneven_stamps_are_resampled_unless_asked_otherwise(log):
-    lines = ["time,q_hip", *(f"{0.01 * (k + 0.1 * (k % 3))},{0.02 * k}" for k in range(40))]
-    assert Recording.from_csv(log(lines)).is_uniform
-    raw = Recording.from_csv(log(lines), resample=False)
-    assert not raw.is_uniform
-    assert len(raw) == 40
-
-
 NAMES = st.text(min_size=1, max_size=8).filter(
     lambda name: name.isprintable() and name == name.strip() and not set(name) & set(',;"')
 )

@@ -89,27 +89,6 @@ def test_a_wrench_of_the_laboratory_is_turned_as_pinocchio_turns_forces(moving_p
         assert np.allclose(found.columns[k], true.vector, rtol=0, atol=1e-9)
 
 
-def test_a_weight_hung_on_a_fixed_leg_is_its_joint_torque():
-    """Jᵀ of the wrench on the link equals the change of gravity torque by a mass there."""
-    leg, mass = exoid.load_leg("bleex"), 3.0
-    at_rest = posed(leg, moving=False)
-    link = leg.link_names[-1]
-    place = link_placement(leg, at_rest, link)
-    weight = Wrench(np.tile([0.0, 0.0, -9.81 * mass], (N, 1)), np.zeros((N, 3)), place.translation, "world")
-    local = wrenches_on_links(leg, dataclasses.replace(at_rest, wrenches={link: weight}))[link]
-    assert np.abs(local.moment).max() < 1e-9
-    model = leg.model.copy()
-    joint = model.getJointId(leg.joint_names[-1])
-    model.appendBodyToJoint(joint, pin.Inertia(mass, np.zeros(3), np.zeros((3, 3))), pin.SE3.Identity())
-    for k in range(0, N, 7):
-        data, loaded = leg.model.createData(), model.createData()
-        more = pin.computeGeneralizedGravity(model, loaded, at_rest.q[k]) - pin.computeGeneralizedGravity(
-            leg.model, data, at_rest.q[k]
-        )
-        jacobian = pin.computeJointJacobian(leg.model, data, at_rest.q[k], joint)
-        assert np.allclose(jacobian.T @ local.columns[k], -more, atol=1e-9)
-
-
 def test_a_tilted_torso_stands_in_the_laboratory_where_its_kinematics_put_it(leg):
     tilted = posed(leg, torso=TorsoMotion(pitch=0.2), moving=False)
     placements = leg.forward_kinematics(tilted.q, TorsoMotion(pitch=0.2))

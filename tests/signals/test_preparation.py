@@ -46,27 +46,6 @@ def test_velocity_and_acceleration_are_accurate_in_valid_rows_of_a_record_that_s
     assert worst(kinematics.a[rows], a[rows]) < 5e-5
 
 
-def identified(log, way):
-    """Inertia, gravity moment, Coulomb and viscous friction of the first joint by least squares."""
-
-    def columns(q, v, a):
-        return np.stack([a[:, 0], np.sin(q[:, 0]), np.tanh(v[:, 0] / 0.02), v[:, 0]], axis=1)
-
-    parameters = np.array([0.3, 8.0, 1.0, 0.3])
-    tau = columns(*truth(log.time)) @ parameters
-    kinematics = way.kinematics(log)
-    inside = np.zeros(len(tau), dtype=bool)
-    inside[kinematics.valid] = True
-    left = way.filter_columns(columns(*kinematics[:3]) * inside[:, None], log.sample_rate)
-    right = way.filter(tau * inside, log.sample_rate)
-    return np.abs(np.linalg.lstsq(left[inside], right[inside], rcond=None)[0] / parameters - 1.0).max()
-
-
-@pytest.mark.parametrize("rate", [50.0, 200.0, 500.0])
-def test_identification_from_exact_angles_is_exact(rate):
-    assert identified(recording(rate), ZeroPhase()) < 1e-4
-
-
 def test_the_kinematics_cutoff_is_twice_the_cutoff_but_at_most_two_fifths_of_the_rate():
     assert ZeroPhase(8.0).kinematics_cutoff_at(200.0) == 16.0
     assert ZeroPhase(8.0).kinematics_cutoff_at(30.0) == 12.0
@@ -136,12 +115,3 @@ def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_o
     np.testing.assert_array_equal(way.filter(log.tau, 200.0), MovingAverage(0.25).filter(log.tau, 1.0))
     assert way.filter_columns(log.tau, 200.0) is log.tau
     assert 0.75**kinematics.valid.start <= 1e-3 < 0.75 ** (kinematics.valid.start - 1)
-
-
-def test_noise_is_kept_out_of_the_acceleration():
-    rng = np.random.default_rng(7)
-    log = recording(500.0)
-    noisy = dataclasses.replace(log, q=log.q + 1e-4 * rng.normal(size=log.q.shape))
-    a = truth(log.time)[2]
-    found = ZeroPhase().kinematics(noisy)
-    assert np.std((found.a - a)[found.valid]) < 0.3

@@ -13,7 +13,6 @@ import exoid
 from exoid.errors import ExoidError
 from exoid.leg.model import configuration
 from exoid.leg.payload import Payload
-from exoid.leg.torso import TorsoMotion
 from exoid.signals import Poses, Recording
 from exoid.torques import Coulomb, LoadFriction, Motion, Offset, Viscous
 from exoid.torques.payloads import payload_torque
@@ -43,16 +42,6 @@ def test_the_torque_of_payloads_is_pinocchios(name):
     expected = difference(leg, LOADS, q, v, a)
     found = payload_torque(leg, LOADS, Motion(q, v, a))
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
-
-
-def test_a_tilted_torso_tilts_the_payload(leg):
-    """The rest of a leg with a payload, less that of the leg, by the torso's own model."""
-    loaded = exoid.rig.leg_with_payloads(leg, LOADS)
-    q, v, a = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 20, 3))
-    torso = TorsoMotion(pitch=np.linspace(-0.3, 0.4, 20), hip_acceleration=(0.5, -0.3))
-    expected = loaded.inverse_dynamics(q, v, a, torso) - leg.inverse_dynamics(q, v, a, torso)
-    found = payload_torque(leg, LOADS, Motion(q, v, a, torso))
-    np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
 def test_a_segment_may_be_named_by_its_link(leg):

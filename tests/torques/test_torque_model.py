@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from planar_chains import assert_relative, random_chain, random_motion, slanted_chain
+from planar_chains import assert_relative, random_motion
 
 import exoid
 from exoid import Armature, Coulomb, Leg, Offset, Stiffness, TorsoMotion, Viscous
-from exoid.leg.description import describe
 from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
 from exoid.torques.model import BLOCK
 
@@ -32,13 +31,6 @@ def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
         "N·m·s/rad",
         *("N·m/rad²", "N·m/rad", "N·m"),
     )
-
-
-def test_names_keep_the_whole_joint_name_where_it_has_no_side():
-    leg = random_chain(np.random.default_rng(0), 2).leg()
-    assert model_of(leg, Viscous()).names[-2:] == ("d_hip", "d_knee")
-    text = random_chain(np.random.default_rng(0), 2).text.replace('<joint name="hip"', '<joint name="left_hip"')
-    assert model_of(Leg.from_description(describe(text)), Viscous()).names[-2:] == ("d_left_hip", "d_knee")
 
 
 # ------------------------------------------------------------------------------------------ columns
@@ -69,20 +61,6 @@ def test_terms_do_not_feel_the_torso_and_the_leg_does(leg):
     W = model.regressor(q, v, a, torso)
     np.testing.assert_array_equal(W[:, :, :9], leg.regressor(q, v, a, torso))
     np.testing.assert_array_equal(W[:, :, 9:], model.regressor(q, v, a)[:, :, 9:])
-
-
-def test_a_numeric_leg_has_terms_too():
-    leg = slanted_chain(np.random.default_rng(4), 2)
-    assert leg.chain is None
-    model = model_of(leg, Armature(), Viscous())
-    (hip,) = model.regrouped
-    assert hip.name == "Ia_hip"
-    assert next(iter(hip.into)).split("_")[0] in ("Ixx", "Iyy", "Izz")
-    q, v, a = random_motion(np.random.default_rng(5), 2)
-    W = model.regressor(q, v, a)
-    np.testing.assert_array_equal(W[:, 1, -2], 0.0)
-    np.testing.assert_array_equal(W[:, 0, -2], v[:, 0])
-    np.testing.assert_array_equal(W[:, 1, -3], a[:, 1])
 
 
 # ---------------------------------------------------------------------------------------- regrouping

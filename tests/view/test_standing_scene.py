@@ -60,23 +60,6 @@ def lengths(drawn, label):
     return float(length), float(force)
 
 
-def test_forces_far_above_the_weight_have_no_longer_arrows_and_leave_the_camera_on_the_leg(exo, log):
-    """Plates on which a wearer stands, too, hold several times the weight of the machine."""
-    heavy = {link: Wrench(5.0 * wrench.force, 5.0 * wrench.moment) for link, wrench in log.wrenches.items()}
-    bare, usual, loaded = (scene(exo, recording=replace(log, wrenches=each)) for each in ({}, log.wrenches, heavy))
-    assert bare.camera == usual.camera == loaded.camera
-    assert lengths(loaded, "measured ground force")[1] == pytest.approx(
-        5.0 * lengths(usual, "measured ground force")[1], rel=5e-3
-    )
-    for drawn in (usual, loaded):
-        tips = [
-            np.linalg.norm(places(drawn, k / 30.0)[f"/exoid/measured ground force {link}/arrow"][:3, 2])
-            for k in range(0, 119, 14)
-            for link in FEET
-        ]
-        assert max(tips) < drawn.camera.half_height
-
-
 def test_arrows_are_the_measured_forces_from_the_centre_of_pressure(exo, log):
     drawn = scene(exo, recording=log)
     longest, largest = lengths(drawn, "measured ground force")
