@@ -28,7 +28,6 @@ from .physics import (
     CheckedFit,
     impossible_leg,
     large_residuals,
-    negative_friction,
     torque_scale,
     turned_segment,
 )
@@ -117,7 +116,6 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     yield from found
     if not explained and not any(finding.severity == "error" for finding in found):
         yield from impossible_leg(checked)
-        yield from negative_friction(checked)
     yield from large_residuals(checked, doubted=broken or any(finding.severity != "info" for finding in found))
 
 

@@ -26,6 +26,9 @@ from .arms import ArmShapes
 STEP = 1e-4  # of finite differences [rad, or a part of the quantity]
 LOADED, FOLLOWED = 0.05, 0.02  # standard deviations of Gaussians: of a joint's load, and of its effect on the angle [s]
 
+RINGING, DAMPING = np.geomspace(2.0, 9.0, 40), 0.1
+"""Frequencies [Hz] at which a link may ring on its spring, and its damping: so much that neighbours overlap."""
+
 
 class Column(NamedTuple):
     """One nuisance column."""
@@ -47,6 +50,8 @@ class NuisanceColumns:
     moving: bool = True  # whether samples are a motion in time; False for poses
     # moment arms of linear actuators, by the index of their joint
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)
+    # frequencies at which links ring on springs [Hz], 0 for none, by joint, as the first block of samples shows them
+    ringing: dict[int, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -81,6 +86,11 @@ class _Point:
     motion: Motion  # angles, velocities and accelerations
     torque: FloatArray  # predicted torque [N·m], (n, N)
     of_leg: FloatArray  # its rigid-body part [N·m], (n, N)
+
+    def residual(self, j: int) -> FloatArray:
+        """Measured torque of a joint less the predicted one [N·m], (N,)."""
+        assert self.motion.measured is not None
+        return np.asarray(self.motion.measured[:, j] - self.torque[j])
 
     @cached_property
     def leg(self) -> Leg:
@@ -122,24 +132,11 @@ class _Point:
 
 
 def _delay(at: _Point, joints: int | slice, _: int) -> FloatArray:
-    """Change by a delay of 1 s: −dτ/dt, by differences of fourth order."""
+    """Change by a delay of 1 s: −dτ/dt, by polynomials through five samples."""
     x = at.torque[joints]
-    if not at.of.moving or x.shape[-1] < 2:
+    if not at.of.moving or x.shape[-1] < 5:
         return np.zeros_like(x)
-    d = np.gradient(x, axis=-1)
-    if x.shape[-1] >= 5:
-        d[..., 2:-2] = (8.0 * (x[..., 3:-1] - x[..., 1:-3]) - (x[..., 4:] - x[..., :-4])) / 12.0
-    return np.asarray(-d * at.of.rate)
-
-
-def _zero(at: _Point, j: int, _: int) -> FloatArray:
-    """Derivative of the rigid-body torque by an angle."""
-    return at.slopes.q[:, :, j].T
-
-
-def _scale(at: _Point, j: int, _: int) -> FloatArray:
-    """Derivative of the rigid-body torque by the scale of an angle and its derivatives."""
-    return at.by_joint(j, *(x[:, j] for x in at.motion[:3]))
+    return np.asarray(-at.of.rate * scipy.signal.savgol_filter(x, 5, 4, deriv=1))
 
 
 def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
@@ -184,11 +181,33 @@ def _compliance(at: _Point, j: int, _: int) -> FloatArray:
     return _behind(at, j, torque)
 
 
+def _ringing(at: _Point, j: int, _: int) -> FloatArray:
+    """The same near a resonance, J q̈_link + c q̇_link = k (q − q_link), where the residual looks like one."""
+    torque = at.of_leg[j]
+    if at.of.moving and j not in at.of.ringing:
+        at.of.ringing[j] = _frequency(torque, at.residual(j), at.of.rate)
+    if not at.of.ringing.get(j):
+        return np.zeros_like(at.torque)
+    w = 2.0 * np.pi * at.of.ringing[j]
+    b, a = scipy.signal.bilinear([w**2], [1.0, 2.0 * DAMPING * w, w**2], at.of.rate)
+    return _behind(at, j, scipy.signal.lfilter(b, a, torque, zi=scipy.signal.lfilter_zi(b, a) * torque[0])[0])
+
+
+def _frequency(torque: FloatArray, residual: FloatArray, rate: float) -> float:
+    """Frequency of the resonance that would leave least of a residual e: |e − H T| < |e|; 0 for none [Hz]."""
+    f = scipy.fft.rfftfreq(len(torque), 1.0 / rate)
+    band = (f > 1.5) & (f < 10.0)  # parameters explain what is slower, and encoders spoil what is faster
+    T, e = scipy.fft.rfft(np.hanning(len(torque)) * [torque - torque.mean(), residual])[:, band]
+    ratio = f[band] / RINGING[:, None]
+    H = 1.0 / (1.0 - ratio**2 + 2.0j * DAMPING * ratio) - 1.0  # torque of the spring, less that of a rigid joint
+    gain = 2.0 * np.real(H * T @ e.conj()) - np.abs(H) ** 2 @ np.abs(T) ** 2
+    return float(RINGING[gain.argmax()]) if gain.max() > 0.0 else 0.0
+
+
 def _play(at: _Point, j: int, _: int) -> FloatArray:
     """Change by 1 rad of play to each side, q_link = q − b sgn τ: the link rests on the side of its load."""
     # The load is what was measured less friction, which is in front of the gear: the model's has the jumps of the angle
-    assert at.motion.measured is not None
-    load = at.motion.measured[:, j] - (at.torque - at.of_leg)[j]
+    load = at.residual(j) + at.of_leg[j]
     load = scipy.ndimage.gaussian_filter1d(load, LOADED * at.of.rate) if at.of.moving else load
     return _behind(at, j, np.sign(load))
 
@@ -214,12 +233,13 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "drift": lambda at, *_: _delay(at, slice(None), -1),  # times the time since the log began, see the rows of a check
     "gain": lambda at, j, _: at.torque[j],
     "cross-talk": lambda at, _, other: at.torque[other],
-    "zero": _zero,
-    "scale": _scale,
+    "zero": lambda at, j, _: at.slopes.q[:, :, j].T,
+    "scale": lambda at, j, _: at.by_joint(j, *(x[:, j] for x in at.motion[:3])),
     "gravity": _gravity,
     "length": _length,
     "clock": _clock,
     "compliance": _compliance,
+    "ringing": _ringing,
     "play": _play,
     "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
     "force": lambda at, _, other: at.motion.q[:, other],
@@ -232,5 +252,5 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 }
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
-OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock", "compliance", "play")
+OF_ALL_JOINTS = ("delays", "drift", "zero", "scale", "gravity", "length", "clock", "compliance", "ringing", "play")
 """Columns that act on the torques of all joints."""

@@ -220,7 +220,8 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j)))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j)))
-        faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add("compliance", j)))
+        for kind in ("compliance", "ringing"):
+            faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)))
         if j in arms:
             arm = add("arm", j, 0, 1)
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))

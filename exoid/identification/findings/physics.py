@@ -159,18 +159,6 @@ def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
     return np.asarray(model.nonnegative | np.array([name in rigid and name[0] in "JM" for name in model.names]))
 
 
-def negative_friction(checked: CheckedFit) -> Iterator[Finding]:
-    """Find friction and rotor inertia that are negative."""
-    model, rigid = checked.fitted.model, len(checked.fitted.model.leg.parameter_names)
-    places = [k for k in np.flatnonzero(checked.below).tolist() if k >= rigid]
-    if places:
-        names = tuple(model.names[k] for k in places)
-        message = f"{', '.join(names)}: friction or rotor inertia cannot be negative, by more than their errors"
-        remedy = "a term is missing, a sign is wrong, or the torque is not that of this joint"
-        value, unit = float(checked.fitted.values[places[0]]), model.units[places[0]]
-        yield Finding("impossible-leg", "", value, unit, "warning", message, remedy, parameters=names)
-
-
 def _segments(leg: Leg, values: FloatArray) -> FloatArray:
     """Values of (X, Y, J) of each segment among all, (n, 3)."""
     rigid = len(leg.parameter_names)

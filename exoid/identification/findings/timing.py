@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.estimate.finding import Finding
@@ -54,9 +55,10 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
         return
     odd &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
-    places = _peaks(odd, size)
-    if not places:
+    peaks, _ = scipy.signal.find_peaks(np.pad(size * odd, 1), distance=2 * WINDOW + 1)  # of each group of neighbours
+    if not len(peaks):
         return
+    places = (peaks - 1).tolist()
     worst = max(places, key=lambda k: gap[k])
     lost = float(sum(gap[k] for k in places))
     error = max(2.0 / float(np.sqrt(information[worst])), 0.5 / rate)  # no finer than half an interval
@@ -77,14 +79,3 @@ def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
     before, after = windows[:, :-WINDOW], windows[:, WINDOW:]
     jump = after @ (level - to_middle * slope) - before @ (level + to_middle * slope)
     return jump, 0.5 * (after @ slope + before @ slope) / interval
-
-
-def _peaks(odd: BoolArray, size: FloatArray) -> list[int]:
-    """Largest of each group of neighbours."""
-    places: list[int] = []
-    for k in np.flatnonzero(odd).tolist():
-        if not places or k - places[-1] > 2 * WINDOW:
-            places.append(k)
-        elif size[k] > size[places[-1]]:
-            places[-1] = k
-    return places
