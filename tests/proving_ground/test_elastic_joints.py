@@ -42,6 +42,13 @@ def test_an_elastic_joint_is_named_with_its_stiffness_and_what_it_moves():
     assert {*wrong} <= {*finding.parameters}
 
 
+def test_a_link_that_rings_on_a_spring_names_it():
+    """The second of two joints, of 168 N·m/rad: its ringing is half of the residual, and hardly shows otherwise."""
+    log = elastic(draw(43), 1)
+    (finding,) = (one for one in named(exoid.identify(draw(43).leg(), log.recording)) if one.joint == "j2")
+    assert finding.value == pytest.approx(168.0, rel=0.2)
+
+
 def test_torque_over_stiffness_is_what_its_angle_lacks():
     machine, leg, log = behind_a_spring()
     (finding,) = named(exoid.identify(leg, log.recording))
