@@ -17,7 +17,7 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.base_checks import flies
-from exoid.signals.cutoff import robust_std, white_noise
+from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors
@@ -54,11 +54,15 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
         error.remedy = f"{error.remedy}; {more}"
         raise
     fitted = fit_linear(problem, estimator)
-    if (found := find_footing(fitted)) is not None:
-        problem = without_outliers(fit_linear(tilted(problem, found), huber))
-        # What a lean does depends on the masses, which the first fit had wrong by as much as the ground leans
-        footing = find_footing(fit_linear(problem, estimator), found) or found
-        fitted = fit_linear(tilted(problem, footing, found), estimator)
+    if (footing := find_footing(fitted)) is not None:
+        problem = without_outliers(fit_linear(tilted(problem, footing), huber))
+        fitted = fit_linear(problem, estimator)
+        for _ in range(ROUNDS):
+            # What a lean does depends on masses and weights, which fits before had wrong by as much as the ground leans
+            before, footing = footing, find_footing(fitted, footing) or footing
+            fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
+            if (np.abs(footing.found.values - before.found.values) <= np.sqrt(np.diag(footing.found.covariance))).all():
+                break
         fitted, footing = _rocking(fitted, footing, estimator)
         slopes = footing.found.slopes
         doubt = slopes @ footing.found.spread @ slopes.T
@@ -127,8 +131,7 @@ def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: 
     if any(term.loaded for term in problem.terms):
         raise NotSupportedError("terms beside a ground are linear in their parameters", remedy="leave LoadFriction out")
     groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check)]
-    share = 1.0 / len(groups)
-    return replace(problem, groups=tuple(replace(group, memory_share=share) for group in groups))
+    return replace(problem, groups=tuple(replace(group, memory_share=1.0 / len(groups)) for group in groups))
 
 
 def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
@@ -257,8 +260,7 @@ def _told_findings(fitted: Fitted) -> Iterator[Finding]:
     # stretches of a recording share what was told; names of recordings may be alike
     for name, base in {(name, id(base.told), base.own): (name, base) for name, base in bases}.values():
         when = "while a foot rested" if base.own else "by another recording of the session"
-        errors = base.told._replace(force_bias=base.bias)
-        yield _imu_finding(errors, when, name, fitted.models[0].leg.parameter_names)
+        yield _imu_finding(base.told._replace(force_bias=base.bias), when, name, fitted.models[0].leg.parameter_names)
 
 
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
@@ -365,13 +367,14 @@ def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -
 
 def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArray, BoolArray]]:
     """Recordings of a group, their samples that count, and those near residuals that no noise explains."""
-    problem, values, found = fitted.problem, fitted.values(index), []
-    group = problem.groups[index]
-    every_rows = [group.decimated(place) for place in range(len(group.data))]
-    residuals = [(rows.time, residual(rows, values)) for rows in every_rows]
-    every = np.vstack([left for _, left in residuals])
-    # by the median of the sizes, which outliers do not move, but at least a small part of the torque of the row
-    middle = [float(robust_std(row[row != 0.0])) if row.any() else np.inf for row in every.T]
+    problem, group, values, found = fitted.problem, fitted.problem.groups[index], fitted.values(index), []
+    residuals = [(rows.time, residual(rows, values)) for rows in map(group.decimated, range(len(group.data)))]
+    sizes = [np.abs(row[row != 0.0]) for row in np.vstack([left for _, left in residuals]).T]
+    # by the median, which outliers do not move, and by up to twice as much where noise is not the same at all times;
+    # but at least a small part of the torque of the row
+    quantiles = np.array([np.quantile(x, (0.5, 0.9)) if len(x) else (np.inf, np.inf) for x in sizes])
+    middle, most = quantiles.T / [[0.6745], [1.6449]]  # those of normal noise
+    middle = np.clip(most, middle, 2.0 * middle)
     scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
     for one, (time, left) in zip(group.data, residuals, strict=True):
         assert isinstance(one, Recording)

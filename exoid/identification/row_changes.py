@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from types import MappingProxyType
 from typing import NamedTuple
@@ -199,7 +198,11 @@ def _may_be_biased(base: BaseMotion | None) -> bool:
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
-    late = [_changed(problem, parts, partial(_late, joint)) for joint in range(len(joints))]
+
+    def with_delay(joint: int) -> Problem:
+        return _changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), {joint: DELAY}))
+
+    late = [with_delay(joint) for joint in range(len(joints))]
     every = np.ones(len(late))
     found = row_changes(fitted, late, DELAY * every, prior_std=0.1 * every, prior_mean=0.0 * every)
     # Residuals are correlated: rows count by a third. On 60 machines without delay, of 80 values none was beyond 4.5
@@ -217,11 +220,6 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
         share = [max((x for x, row in zip(left, rows, strict=True) if row == name), default=1.0) for name in joints]
         half = np.where(doubtful, half * np.minimum(share, 1.0), half)
     return np.where(size > 1.5 * half, found.values, 0.0), half
-
-
-def _late(joint: int, model: TorqueModel, one: Recording) -> Recording:
-    """Shift the torque of one joint by a step."""
-    return without_torque_delay(for_leg(model, one), {joint: DELAY})
 
 
 def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
@@ -357,8 +355,7 @@ def residual(rows: Rows, values: FloatArray) -> FloatArray:
 def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     """Try other signs and orders of the torques of some groups where the fit is poor; else look for delays."""
     logged = _with_torques(fitted.problem, parts, None)
-    at_rest = np.zeros(len(fitted.problem.names))
-    torques = rms_residuals(logged, parts, at_rest)
+    torques = rms_residuals(logged, parts, np.zeros(len(fitted.problem.names)))
     misfits = rms_residuals(logged, parts, fitted.fit.solution.values)
     measured = torques > 0.0
     if (misfits[measured] > 0.25 * POOR * torques[measured]).any():
