@@ -1,6 +1,7 @@
 """Does the force under a hopper on a rail follow from joint torques? Jumps and squats in MuJoCo; see docs/ground.md.
 
-    python scripts/study_rail.py --seeds 8      # seeds from 1000, about half a minute each on one core
+    python scripts/study_rail.py --seeds 8           # seeds from 1000, about half a minute each on one core
+    python scripts/study_rail.py --radius 0.015      # a ball of that radius [m], said to be a point: its centre
 
 Each seed has a hopper of its own: masses, lengths, rotors, friction of joints and rail. It stands on a point and moves
 along a vertical rail. The force under the foot is measured in the training alone; the test has a foot switch. Noise:
@@ -39,16 +40,17 @@ URDF = """<robot name="hopper"><link name="base">{base}</link><link name="thigh"
 
 @dataclass(frozen=True)
 class Hopper:
-    """A hopper: its URDF, lengths of thigh and shank [m], rotors, and friction of rail, hip and knee."""
+    """A hopper: its URDF, lengths of thigh and shank, rotors, friction of rail, hip and knee, radius of its foot."""
 
     urdf: str
     long: tuple[float, float]
     armature: np.ndarray
     coulomb: np.ndarray
     viscous: np.ndarray
+    radius: float
 
     @classmethod
-    def drawn(cls, rng: np.random.Generator) -> Hopper:
+    def drawn(cls, rng: np.random.Generator, radius: float = RADIUS) -> Hopper:
         """Draw one."""
         long, mass = rng.uniform(0.16, 0.28, 2), rng.uniform([2.0, 0.4, 0.15], [6.0, 1.2, 0.4])
 
@@ -72,14 +74,14 @@ class Hopper:
                 (rng.uniform(0.0, 0.1), rng.uniform(0.01, 0.1, 2)),
             )
         ]
-        return cls(URDF.format(long=long, **parts), tuple(long), rotors, *friction)
+        return cls(URDF.format(long=long, **parts), tuple(long), rotors, *friction, radius)
 
     def world(self) -> mujoco.MjModel:
         """The hopper above level ground."""
         root = etree.fromstring(self.urdf)
         etree.SubElement(etree.SubElement(root, "mujoco"), "compiler", fusestatic="false")
         collision = etree.SubElement(root.find("link[@name='foot']"), "collision")
-        etree.SubElement(etree.SubElement(collision, "geometry"), "sphere", radius=str(RADIUS))
+        etree.SubElement(etree.SubElement(collision, "geometry"), "sphere", radius=str(self.radius))
         spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
         spec.option.timestep, spec.option.integrator = STEP, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 50
@@ -167,7 +169,7 @@ def simulate(hopper: Hopper, kind: str, seconds: float, rng: np.random.Generator
     stiffness = 60.0 * weight * sum(hopper.long) / 2.0
     damping = 0.03 * stiffness
     foot = plan(0.0)
-    data.qpos[:] = [foot[1] + RADIUS, *angles(hopper.long, foot[np.newaxis])[0]]
+    data.qpos[:] = [foot[1] + hopper.radius, *angles(hopper.long, foot[np.newaxis])[0]]
     rows, wrench, every = [], np.zeros(6), round(1.0 / (RATE * STEP))
     goals = angles(hopper.long, plan(np.arange(0.0, seconds, STEP)))
     rates = np.gradient(goals, STEP, axis=0)
@@ -185,10 +187,10 @@ def simulate(hopper: Hopper, kind: str, seconds: float, rng: np.random.Generator
     return Run(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
-def figures(seed: int) -> dict[str, float]:
+def figures(seed: int, radius: float = RADIUS) -> dict[str, float]:
     """Figures of one seed."""
     rng = np.random.default_rng(seed)
-    hopper = Hopper.drawn(rng)
+    hopper = Hopper.drawn(rng, radius)
     leg = exoid.Leg.from_description(describe(hopper.urdf, "hopper.urdf"), base="z", contacts={"foot": "point"})
     runs = {kind: [simulate(hopper, kind, 20.0, rng) for _ in range(2)] for kind in ("jump", "press")}
     found = {}
@@ -219,4 +221,4 @@ def figures(seed: int) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    run_seeds(__doc__, figures)
+    run_seeds(__doc__, figures, radius=RADIUS)
