@@ -46,7 +46,7 @@ def test_the_lean_is_found_and_intervals_hold(exo, degrees):
         (finding,) = (one for one in estimate.findings if one.kind == "base-from-feet")
         low, high = finding.interval
         assert low - 0.03 < abs(degrees) < high + 0.03
-        assert high - low < 0.5
+        assert high - low < 0.03  # as on level ground, not 0.35° by the noise of a fit that takes it for level
         assert finding.severity == ("warning" if abs(degrees) > 1.0 else "info")
         assert not any(one.severity == "error" for one in estimate.findings)
         deviations.append(
