@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
-from example_robot_data.robots_loader import ROBOTS, getModelPath
-from scipy.signal import lfilter
+from public_robots import urdf_of
+from swings import coloured, harmonics
 
 from exoid import Leg, Recording
 from exoid.torques import DEFAULT_TERMS, TorqueModel
@@ -15,12 +14,6 @@ JOINTS = {"panda": tuple(f"panda_joint{k}" for k in range(1, 8))}
 """Of those robots that have more than their arm."""
 
 SMOOTHING = 0.015
-
-
-def urdf_of(robot):
-    entry = ROBOTS[robot]
-    part = f"{entry.path}/{entry.urdf_subpath}/{entry.urdf_filename}"
-    return Path(getModelPath(part)) / part
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +64,7 @@ class Arm:
         time = np.arange(round(self.seconds * self.rate)) / self.rate
         omega = 2.0 * np.pi * 0.1 * np.arange(1, 6)
         amplitude = rng.uniform(0.3, 1.0, (n, 5)) / np.sqrt(np.arange(1, 6))
-        phase = np.multiply.outer(time, omega)[:, None, :] + rng.uniform(0.0, 2.0 * np.pi, (n, 5))
-        q = (amplitude * np.sin(phase)).sum(-1)
-        v = (amplitude * omega * np.cos(phase)).sum(-1)
-        a = -(amplitude * omega**2 * np.sin(phase)).sum(-1)
+        q, v, a = harmonics(time, amplitude, omega, rng.uniform(0.0, 2.0 * np.pi, (n, 5)))
         lower, upper = np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi)
         scale = np.minimum(0.9 * (upper - lower) / np.ptp(q, axis=0), 0.8 * limits.velocity / np.abs(v).max(axis=0))
         centre = 0.5 * (lower + upper) - 0.5 * scale * (q.min(axis=0) + q.max(axis=0))
@@ -87,11 +77,9 @@ class Arm:
 
     def noise_of(self, seed, time_constant=0.0):
         """Draw the noise of a recording, white, or with a memory [s]."""
-        rng = np.random.default_rng(seed)
-        drive = rng.standard_normal((round(self.seconds * self.rate), len(self.noise)))
         memory = np.exp(-1.0 / (self.rate * time_constant)) if time_constant else 0.0
-        drive[1:] *= np.sqrt(1.0 - memory**2)
-        return self.noise * lfilter([1.0], [1.0, -memory], drive, axis=0)
+        shape = (round(self.seconds * self.rate), len(self.noise))
+        return self.noise * coloured(np.random.default_rng(seed), shape, memory)
 
     def recording(self, motion, noise):
         """Only angles and torques, as most controllers log them."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from swings import SMOOTHING, Swing
+from swings import SMOOTHING, Swing, coloured
 
 from exoid import Leg, Recording
 from exoid.torques import Coulomb, Offset, TorqueModel, Viscous
@@ -25,12 +25,7 @@ class Noise(NamedTuple):
     memory: float = 0.0
 
     def draw(self, rng, shape):
-        white = rng.standard_normal(shape) * np.sqrt(1.0 - self.memory**2)
-        out = np.empty(shape)
-        out[0] = rng.standard_normal(shape[1:])
-        for k in range(1, len(out)):
-            out[k] = self.memory * out[k - 1] + white[k]
-        return out * self.std
+        return self.std * coloured(rng, shape, self.memory)
 
 
 SILENCE = Noise()

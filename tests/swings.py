@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.signal import lfilter
 
 from exoid import Coulomb, Leg, Recording, Viscous
 from exoid.signals import Kinematics, ZeroPhase, zero_phase
@@ -20,6 +21,13 @@ def harmonics(time, size, omega, phase):
     angle = time[:, None, None] * omega + phase
     parts = np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)
     return tuple((size * part).sum(-1) for part in parts)
+
+
+def coloured(rng, shape, memory):
+    """Draw stationary AR(1) noise of unit variance along the first axis."""
+    drive = rng.standard_normal(shape)
+    drive[1:] *= np.sqrt(1.0 - memory**2)
+    return lfilter([1.0], [1.0, -memory], drive, axis=0)
 
 
 @dataclass(frozen=True, eq=False)

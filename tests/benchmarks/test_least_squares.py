@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pinocchio as pin
+from swings import harmonics
 from turns import best_of_turns, show, with_memory
 
 import exoid
@@ -40,9 +41,7 @@ def recording(samples: int = SAMPLES) -> Recording:
     omega = 2.0 * np.pi * 0.1 * np.arange(1, 6)
     amplitude, phase = rng.uniform(0.05, 0.2, (3, 5)), rng.uniform(0.0, 2.0 * np.pi, (3, 5))
     stamps = np.arange(samples) / RATE
-    angle = np.multiply.outer(stamps, omega)[:, None, :] + phase
-    q, v = (amplitude * np.sin(angle)).sum(-1), (amplitude * omega * np.cos(angle)).sum(-1)
-    a = -(amplitude * omega**2 * np.sin(angle)).sum(-1)
+    q, v, a = harmonics(stamps, amplitude, omega, phase)
     truth = np.append(LEG.parameters, rng.uniform(0.2, 0.8, 6))
     tau = MODEL.regressor(q, v, a) @ truth + rng.normal(scale=(1.0, 0.7, 0.3), size=q.shape)
     return Recording(stamps, q, v, a, tau, joint_names=LEG.joint_names)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from arms import urdf_of
+from public_robots import urdf_of
 from walking import IMU, Walk
 
 import exoid

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lxml import etree
 from public_robots import urdf_of
+from swings import harmonics
 
 import exoid
 from exoid.errors import BadArgumentError
@@ -24,10 +25,8 @@ def quadruped():
 def log(leg, rng, *, noise=0.02):
     """Swings of BLEEX's or another machine's joints on a base that is held, 20 s."""
     time = np.arange(0.0, 20.0, 0.005)
-    phase = np.outer(time, 2.0 * np.pi * np.array([0.23, 0.61, 1.1]))[:, :, None]
-    turn = phase + rng.uniform(0.0, 6.0, (3, len(leg.joint_names)))
-    rate = 2.0 * np.pi * np.array([0.23, 0.61, 1.1])[:, None]
-    q, v, a = (0.3 * part.sum(axis=1) for part in (np.sin(turn), rate * np.cos(turn), -(rate**2) * np.sin(turn)))
+    phase = rng.uniform(0.0, 6.0, (3, len(leg.joint_names)))
+    q, v, a = harmonics(time, 0.3, 2.0 * np.pi * np.array([0.23, 0.61, 1.1]), phase.T)
     tau = leg.inverse_dynamics(q, v, a) + 0.3 * np.sign(v) + 0.2 * v
     tau += noise * tau.std(axis=0) * rng.standard_normal(tau.shape)
     return exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names)

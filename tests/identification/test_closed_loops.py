@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from closed_machines import four_bar_knee, two_rod_ankle
+from swings import harmonics
 from typer.testing import CliRunner
 
 import exoid
@@ -21,18 +22,15 @@ SOME = 0.02  # friction of the motors [N·m·s/rad]
 def swing(leg: exoid.Leg, seed: int, noise: float = 0.0, joints: tuple[str, ...] = ()) -> exoid.Recording:
     """Log of a random motion by inverse dynamics; dependent joints of these names are measured, too."""
     rng = np.random.default_rng(seed)
-    t, n = np.arange(3000)[:, None] / 200.0, len(leg.joint_names)
-    f, phase = rng.uniform(0.2, 1.5, (5, 1, n)), rng.uniform(0, 2 * np.pi, (5, 1, n))
-    w = 2 * np.pi * f
-    q, v, a = 0.08 * np.stack([np.sin(w * t + phase), w * np.cos(w * t + phase), -(w**2) * np.sin(w * t + phase)]).sum(
-        1
-    )
+    t, n = np.arange(3000) / 200.0, len(leg.joint_names)
+    f, phase = rng.uniform(0.2, 1.5, (5, n)), rng.uniform(0, 2 * np.pi, (5, n))
+    q, v, a = harmonics(t, 0.08, 2 * np.pi * f.T, phase.T)
     tau = leg.inverse_dynamics(q, v, a) + SOME * v
     tau += noise * np.std(tau, axis=0) * rng.standard_normal(tau.shape)
     names = leg.tree_joint_names if joints else leg.joint_names
     every, torque = leg.tree_motion(q).q if joints else q, np.full((len(t), len(names)), np.nan)
     torque[:, [names.index(name) for name in leg.joint_names]] = tau
-    log = exoid.Recording(time=t[:, 0], q=every, tau=torque, joint_names=names)
+    log = exoid.Recording(time=t, q=every, tau=torque, joint_names=names)
     return log.select([name for name in names if name in (*leg.joint_names, *joints)]) if joints else log
 
 

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from arms import urdf_of
+from public_robots import urdf_of
 from unchecked import identify
 from walking import IMU, Walk
 

@@ -1,10 +1,8 @@
 """Noise-free recordings give the parameters back: of every leg, planar or not, by every estimator."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from example_robot_data.robots_loader import getModelPath
+from public_robots import urdf_of
 from swings import TERMS, Swing
 from unchecked import identify
 
@@ -21,8 +19,7 @@ def load(name):
     if name == "dfki":
         return exoid.Leg.from_urdf(urdf_folder() / "dfki_double_pendulum.urdf", ("shoulder", "elbow"))
     if name == "ur5":
-        urdf = "ur_description/urdf/ur5_robot.urdf"
-        return exoid.Leg.from_urdf(Path(getModelPath(urdf)) / urdf)
+        return exoid.Leg.from_urdf(urdf_of("ur5"))
     built_in, side, inertias = name.split("-")
     return exoid.load_leg(built_in, side, inertias)
 

@@ -5,8 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
-from swings import TERMS, Swing
+from swings import TERMS, Swing, coloured
 
 import exoid
 from exoid import ExoidError
@@ -48,11 +47,9 @@ def apart(**options):
     return [log(**options).slice(first, last) for first, last in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def coloured(seed, time_constant):
+def disturbance(seed, time_constant):
     memory = np.exp(-1.0 / (time_constant * RATE)) if time_constant else 0.0
-    drive = np.random.default_rng(seed).standard_normal(swing().torque.shape)
-    drive[1:] *= np.sqrt(1.0 - memory**2)
-    return NOISE * lfilter([1.0], [1.0, -memory], drive, axis=0)
+    return NOISE * coloured(np.random.default_rng(seed), swing().torque.shape, memory)
 
 
 def error(recordings, **options):
@@ -80,11 +77,11 @@ def test_segments_lose_no_row_to_the_filter():
 
 
 def test_an_estimate_says_which_segments_it_is_from_and_its_file_too(tmp_path):
-    estimate = exoid.identify(swing().leg, segmented(noise=coloured(1, 0.0)), TERMS)
+    estimate = exoid.identify(swing().leg, segmented(noise=disturbance(1, 0.0)), TERMS)
     assert estimate.inputs[0].segments == segmented().segment_times
     estimate.save(tmp_path / "estimate.json")
     assert exoid.Estimate.load(tmp_path / "estimate.json").inputs == estimate.inputs
-    whole = exoid.identify(swing().leg, log(noise=coloured(1, 0.0)), TERMS)
+    whole = exoid.identify(swing().leg, log(noise=disturbance(1, 0.0)), TERMS)
     assert "segments" not in whole.to_json()["inputs"][0]
 
 
@@ -96,8 +93,8 @@ def test_a_dead_torque_channel_outside_the_segments_is_none():
 
 
 def test_validation_is_of_the_segments_only():
-    estimate = exoid.identify(swing().leg, segmented(noise=coloured(3, 0.0)), TERMS)
-    inside = exoid.validate(estimate, segmented(noise=coloured(4, 0.0), stance=50.0))
+    estimate = exoid.identify(swing().leg, segmented(noise=disturbance(3, 0.0)), TERMS)
+    inside = exoid.validate(estimate, segmented(noise=disturbance(4, 0.0), stance=50.0))
     assert len(inside.time) == mask().sum()
     assert (inside.rmse < 0.5 * NOISE).all()
     assert (exoid.validate(estimate, log(stance=50.0)).rmse > 10.0).all()
@@ -128,13 +125,13 @@ def test_a_recording_in_which_nothing_counts_is_refused():
 
 
 def test_a_stance_between_the_segments_causes_no_finding():
-    estimate = exoid.identify(swing().leg, segmented(noise=coloured(1, 0.0), stance=50.0), TERMS)
+    estimate = exoid.identify(swing().leg, segmented(noise=disturbance(1, 0.0), stance=50.0), TERMS)
     assert estimate.findings == ()
 
 
 @pytest.mark.slow
 def test_joint_estimation_of_motion_and_parameters_uses_the_torque_of_the_segments_only():
-    noise = coloured(5, 0.0)
+    noise = disturbance(5, 0.0)
     assert error(segmented(noise=noise, stance=50.0), estimator="ml") < 0.1
     assert error(log(noise=noise, stance=50.0), estimator="ml") > 0.1
 
@@ -145,11 +142,11 @@ def test_noise_that_outlasts_the_segments_is_warned_of_and_other_noise_is_not():
         estimate = exoid.identify(swing().leg, recordings, TERMS, check=False)
         return any("too short to tell how long the torque noise" in warning for warning in estimate.warnings)
 
-    assert not warned(segmented(noise=coloured(6, 0.0)))
-    assert not warned(apart(noise=coloured(6, 0.0)))
-    assert not warned(log(noise=coloured(6, 1.0)))
-    assert warned(segmented(noise=coloured(6, 1.0)))
-    assert warned([each.slice(0, 26) for each in apart(noise=coloured(6, 0.0))])
+    assert not warned(segmented(noise=disturbance(6, 0.0)))
+    assert not warned(apart(noise=disturbance(6, 0.0)))
+    assert not warned(log(noise=disturbance(6, 1.0)))
+    assert warned(segmented(noise=disturbance(6, 1.0)))
+    assert warned([each.slice(0, 26) for each in apart(noise=disturbance(6, 0.0))])
 
 
 @pytest.mark.nightly
@@ -159,7 +156,7 @@ def test_intervals_from_thirty_swings_contain_the_truth_as_often_as_they_say(for
     """Nominal 95 %; 40 replicates of 15 parameters."""
     inside = []
     for seed in range(40):
-        recordings = form(noise=coloured([seed, 7], time_constant), seed=seed)
+        recordings = form(noise=disturbance([seed, 7], time_constant), seed=seed)
         estimate = exoid.identify(swing().leg, recordings, TERMS, check=False)
         low, high = estimate.interval().T
         inside.append((low <= swing().truth) & (swing().truth <= high))

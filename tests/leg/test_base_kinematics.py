@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from arms import urdf_of
 from free_flyers import Flight
 from planar_chains import assert_relative, random_chain, random_motion
+from public_robots import urdf_of
 
 import exoid
 from exoid import ExoidError, Leg, TorsoMotion

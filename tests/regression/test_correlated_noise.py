@@ -7,7 +7,7 @@ import pytest
 import statsmodels.api as sm
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
-from swings import TERMS, Swing
+from swings import TERMS, Swing, coloured
 from unchecked import identify
 
 import exoid
@@ -22,13 +22,6 @@ from exoid.torques import TorqueModel
 
 STD = np.array([1.0, 0.7, 0.3])
 EXACT = FiniteDifference()
-
-
-def coloured(rng, shape, memory):
-    """Draw stationary AR(1) noise of unit variance."""
-    drive = rng.standard_normal(shape) * np.sqrt(1.0 - memory**2)
-    drive[0] /= np.sqrt(1.0 - memory**2)
-    return lfilter([1.0], [1.0, -memory], drive, axis=0)
 
 
 @pytest.fixture(scope="module")

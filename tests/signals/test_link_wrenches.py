@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
-from arms import urdf_of
+from public_robots import urdf_of
 from scipy.spatial.transform import Rotation
 from walking import Walk
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from html_pages import check, undrawn
+from swings import harmonics
 
 import exoid
 from exoid.experiments.excitation import assess
@@ -134,9 +135,8 @@ def test_prior_knowledge_is_listed_and_gets_no_advice(particular):
 def test_modelled_and_measured_friction_are_those_of_the_leg(leg):
     """A leg of known friction: measured torque less the other terms is that friction, filtered."""
     time = np.arange(3000) / 100.0
-    q = 0.3 * np.sin(np.outer(time, [1.0, 1.7, 2.3])) + [0.3, -0.7, 0.0]
-    v = 0.3 * np.array([1.0, 1.7, 2.3]) * np.cos(np.outer(time, [1.0, 1.7, 2.3]))
-    a = -0.3 * np.array([1.0, 1.7, 2.3]) ** 2 * np.sin(np.outer(time, [1.0, 1.7, 2.3]))
+    q, v, a = harmonics(time, 0.3, np.array([[1.0], [1.7], [2.3]]), 0.0)
+    q += [0.3, -0.7, 0.0]
     friction = 2.0 * np.tanh(v / 0.02) + 0.7 * v
     noise = 0.01 * np.random.default_rng(3).standard_normal(q.shape)
     tau = leg.inverse_dynamics(q, v, a) + friction + noise

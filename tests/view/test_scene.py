@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from drawings import meshes, mounts, objects, places, root, scene_of, unpacked
-from example_robot_data.robots_loader import ROBOTS, getModelPath
 from planar_chains import random_chain
+from public_robots import urdf_of
 
 import exoid
 from exoid import ExoidError, Leg, Recording, TorsoMotion
@@ -25,9 +25,7 @@ TIME = np.arange(90) / 60.0
 
 
 def robot(name, joints=None):
-    loader = ROBOTS[name]
-    inside = f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}"
-    return Leg.from_urdf(f"{getModelPath(inside)}/{inside}", joints)
+    return Leg.from_urdf(urdf_of(name), joints)
 
 
 LEGS = {
@@ -239,16 +237,11 @@ def test_links_fixed_by_locked_joints_are_drawn():
     count = sum(len(robot_.findall(f"link[@name='{name}']/visual")) for name in ("torso", "left_thigh"))
     assert len(meshes(hip)) == count
     panda = robot("panda", [f"panda_joint{k}" for k in range(1, 8)])
-    drawn = scene(panda, meshes=folder_of_panda())
+    drawn = scene(panda, meshes=urdf_of("panda").parents[1])
     hand = meshes(objects(drawn)[f"{mounts(drawn)[-1]}/body/shape"])
     assert len(hand) >= 4  # the last link, the hand and two fingers, each with a part for every colour of its file
     assert len({material["color"] for _, material, _ in hand}) >= 3
     assert drawn.notes == ()
-
-
-def folder_of_panda():
-    loader = ROBOTS["panda"]
-    return Path(getModelPath(f"{loader.path}/{loader.urdf_subpath}/{loader.urdf_filename}")) / loader.path
 
 
 def test_the_camera_has_everything_in_sight():

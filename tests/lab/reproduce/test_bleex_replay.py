@@ -11,9 +11,6 @@ from exoid.lab.reproduce.bleex import identify_bleex
 
 pytestmark = pytest.mark.nightly
 
-STIFFNESS = [f"b{power}_{joint}" for joint in ("hip", "knee", "ankle") for power in (2, 1, 0)]
-FRICTION = [f"c0_{joint}" for joint in ("hip", "knee", "ankle")]
-
 
 @pytest.fixture(params=["left", "right"])
 def name(request):
@@ -55,42 +52,6 @@ def test_second_differences_of_a_coarse_encoder_lose_the_inertia(side):
 
 def test_hip_stiffness_is_not_identifiable_upright(side):
     assert side["upright_condition_number"] > 500.0
-
-
-@pytest.mark.parametrize(
-    ("parameters", "limit"),
-    [(("X1", "X2", "X3"), 0.002), (("J1",), 0.005), (("J2",), 0.01), (("J3",), 0.03)],
-)
-def test_the_joint_estimate_finds_mass_moments_and_inertias(side, parameters, limit):
-    for parameter in parameters:
-        assert abs(relative(side, "joint", parameter)) <= limit
-
-
-@pytest.mark.parametrize(
-    ("parameters", "limit"),
-    [
-        (("Y1", "Y2", "Y3"), 0.01),
-        (("b1_hip",), 0.10),
-        ([name for name in STIFFNESS if "hip" not in name], 0.06),
-        (FRICTION, 0.02),
-    ],
-)
-def test_the_joint_estimate_finds_what_may_be_zero(side, parameters, limit):
-    for parameter in parameters:
-        assert abs(error(side, "joint", parameter)) <= limit
-
-
-def test_the_tilted_torso_makes_everything_identifiable(side):
-    assert side["joint"]["condition_number"] < 50.0
-
-
-def test_its_torque_is_as_good_as_the_truth_and_much_better_than_cad(name, side):
-    nrmse = {way: np.array(errors) for way, errors in side["nrmse"].items()}
-    assert (nrmse["joint"] <= [0.03, 0.07, 0.12]).all()
-    assert (nrmse["joint"] <= 1.10 * nrmse["truth"]).all()
-    assert (nrmse["sequential"] >= nrmse["joint"] * [4.0, 2.0, 1.4]).all()
-    if name == "left":
-        assert (nrmse["cad"] >= nrmse["joint"] * [15.0, 6.0, 8.0]).all()
 
 
 def test_every_figure_is_as_wide_as_a_column(bleex):
