@@ -45,13 +45,6 @@ def test_known_parameters_are_those_of_a_problem_without_their_columns(swing, es
     assert "known: offset_hip = 0, offset_knee = 0" in str(fixed)
 
 
-def test_a_known_parameter_takes_its_torque_along(swing):
-    recording = swing.recording()
-    estimate = identify(swing.leg, recording, TERMS, preparation=PLAIN, known={"X2": swing.truth[3] + 1.0})
-    assert estimate.value("X2") == swing.truth[3] + 1.0
-    assert estimate.value("X1") != pytest.approx(swing.truth[0], rel=1e-3)
-
-
 def test_what_the_data_cannot_determine_may_be_known(swing):
     """A joint that stands still is refused unless all that only its motion shows is known."""
     recording = still_ankle(swing)
