@@ -1,4 +1,4 @@
-"""exoid works wherever it was installed from: wheel, source distribution, editable, plain source tree."""
+"""exoid works wherever it was installed from: wheel, source distribution, editable."""
 
 import ast
 import email
@@ -138,12 +138,6 @@ def test_an_editable_install_works_from_a_foreign_folder(source, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_source_tree_works_without_installation(source, tmp_path):
-    package = run(sys.executable, "-c", CHECK, cwd=tmp_path, PYTHONPATH=str(source))
-    assert Path(package) == (source / "exoid").resolve()
-
-
-@pytest.mark.slow
 def test_the_wheel_contains_urdfs_tables_logs_and_the_typing_marker(built):
     wheel, _ = built
     names = set(zipfile.ZipFile(wheel).namelist())
@@ -230,10 +224,3 @@ def test_the_index_page_has_no_link_into_the_repository(built):
     assert all(link.startswith("https://") for link in links)
     assert "exoid identify bleex bleex_swing:train -o bleex.json" in page
     assert "pip install exoid" in page
-
-
-@pytest.mark.slow
-def test_wheel_and_version_agree(built):
-    wheel, sdist = built
-    assert wheel.name == f"exoid-{exoid.__version__}-py3-none-any.whl"
-    assert sdist.name == f"exoid-{exoid.__version__}.tar.gz"

@@ -59,16 +59,6 @@ def motion(leg, time=TIME):
     )
 
 
-def test_bodies_stand_where_pinocchio_puts_them(leg):
-    angles = RNG.uniform(-1.0, 1.0, len(leg.joint_names))
-    drawn = scene(leg, pose=dict(zip(leg.joint_names, angles, strict=True)))
-    rotation, translation = leg.forward_kinematics(angles)
-    found = places(drawn)
-    for j, path in enumerate(body_paths(leg, drawn)[1]):
-        np.testing.assert_allclose(found[path][:3, :3], rotation[0, j], atol=1e-4)
-        np.testing.assert_allclose(found[path][:3, 3], translation[0, j], atol=1e-4)
-
-
 def test_a_replay_shows_each_pose_at_its_time(leg):
     recording = motion(leg)
     drawn = scene(leg, recording=recording)
