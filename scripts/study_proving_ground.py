@@ -114,9 +114,23 @@ def coverage(outcomes: Sequence[Outcome]) -> str:
             shares = [np.mean(o.inside) for o in chosen]
             sure = [np.mean(o.inside[~o.doubtful]) for o in chosen if not o.doubtful.all()]
             figures = (f"{f(x):.2f}" if x else "" for x in (shares, sure) for f in (np.mean, np.min))
-            rows.append((name, str(len(chosen)), *figures))
-    headers = ("machines", "number", "intervals that hold", "worst machine", "not doubtful", "worst machine")
+            rows.append((name, str(len(chosen)), *figures, f"{worst_by_chance([len(o.inside) for o in chosen]):.2f}"))
+    headers = (
+        "machines",
+        "number",
+        "intervals that hold",
+        "worst machine",
+        "not doubtful",
+        "worst machine",
+        "by chance",
+    )
     return table(headers, rows)
+
+
+def worst_by_chance(counts: Sequence[int]) -> float:
+    """Median share of the worst of machines with so many intervals, if each held in 95 % by itself."""
+    held = np.random.default_rng(0).binomial(counts, 0.95, (10_000, len(counts)))
+    return float(np.median((held / counts).min(axis=1)))
 
 
 def refusals(outcomes: Sequence[Outcome]) -> str:

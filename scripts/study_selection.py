@@ -23,10 +23,8 @@ import exoid
 from exoid import Armature, Leg, Recording
 from exoid._typing import FloatArray
 from exoid.identification.selection import Selection, select_terms
-from exoid.identification.selection.held_out import fast_fold
-from exoid.identification.selection.normal_equations import residuals
+from exoid.identification.selection.held_out import fast_blocks
 from exoid.identification.selection.patterns import Column, JointFriction, Pattern, terms_of, zeros_of
-from exoid.identification.selection.per_joint import Found, Search, search_joint_by_joint
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -213,23 +211,12 @@ def study_dfki() -> None:
     inner = (found.time >= data.test.time[0] + 0.48) & (found.time <= data.test.time[-1] - 0.48)
     away = np.sqrt((found.residual[inner] ** 2).mean(axis=0)) / found.measured[inner].std(axis=0)
     print("   test NRMSE", found.nrmse.round(4), "and 0.48 s away from the ends", away.round(4))
-    everything = Search(data.leg, [data.train], 8.0, 5)
-    whole = search_joint_by_joint(everything)
-    speed = np.linalg.norm(whole.tables.design.v, axis=1)
-    limit, time_ = float(np.quantile(speed, 0.6)), whole.tables.design.time
-    slow = search_joint_by_joint(replace(everything, keep=lambda _, t: np.isin(t, time_[speed <= limit])))
-    print("   slow part:", "; ".join(JointFriction.of("", columns).text for columns in slow.choice.columns))
-    fast = fast_fold(speed, 0.6).tested
-    print("   fast part, fitted to slow / to all:", *(_on(everything, found, fast).round(4) for found in (slow, whole)))
-
-
-def _on(search: Search, found: Found, rows: np.ndarray) -> FloatArray:
-    """NRMSE of what was found on some rows of all that are searched."""
-    choice = found.choice
-    whole = search.design(choice.columns, choice.base[: len(search.leg.parameter_names)])
-    active = [np.arange(len(columns)) for columns in choice.columns]
-    left = residuals(whole, active, choice.base, choice.friction)[:, rows]
-    return np.asarray(np.sqrt(np.mean(left**2, axis=1)) / whole.tau[:, rows].std(axis=1))
+    (blocks,) = fast_blocks([data.train])
+    fast = ((data.train.time >= blocks[:, :1]) & (data.train.time < blocks[:, 1:])).any(axis=0)
+    slow = select_terms(data.leg, replace(data.train, mask=~fast))
+    print("   slower seconds:", "; ".join(f"{joint.joint}: {joint.text}" for joint in slow.joints))
+    errors = [exoid.validate(each.estimate, replace(data.train, mask=fast)).nrmse for each in (slow, selection)]
+    print("   fastest seconds, fitted to the slower / to all:", *(each.round(4) for each in errors))
 
 
 def study_sticking() -> None:

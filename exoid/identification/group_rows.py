@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
-
-import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
@@ -24,9 +21,6 @@ from exoid.torques import TorqueModel
 from .recording_summary import RecordingSummary
 
 KEPT_BYTES = 2**26  # rows are kept between passes as long as together they stay below this, and made again otherwise,
-
-Keep = Callable[[int, FloatArray], NDArray[np.bool_]]
-"""Which rows to use: recording index, times [s] → mask."""
 
 Data = Sequence[Recording | Poses]
 """Recordings and poses, in memory or on disk."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -113,7 +113,8 @@ def simulate(machine: Machine, seconds: float, *, test: bool = False) -> Log:
     late = rows - round(machine.sensing.delay / STEP)
     taken = {name: getattr(steps, name)[rows] for name in steps.__dataclass_fields__ if name not in ("rotor", "logged")}
     truth = Truth(**taken, rotor=steps.rotor[:, rows], logged=steps.logged[late])
-    return Log(_recording(machine, truth, test=test), _recording(machine, truth, None), truth)
+    now = replace(truth, logged=steps.logged[rows])  # a delay is an error of the sensor
+    return Log(_recording(machine, truth, test=test), _recording(machine, now, None), truth)
 
 
 def _run(machine: Machine, ref: tuple[Array, Array, Array], *, test: bool) -> Truth:

@@ -12,7 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.estimate import Estimate
-from exoid.identification.identify import identify
+from exoid.identification.identify import FitOptions, identify
 from exoid.leg.leg import Leg
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Term
@@ -29,6 +29,7 @@ class Candidate:
     name: str  # short name for tables
     terms: tuple[Term, ...]  # terms of the torque model
     zero: tuple[str, ...]  # names of coefficients of the terms that are held at zero
+    delay: str | None = None  # "auto" to take delays out of the torques
     numbers: int = 0  # number of parameters that it fits, and of settings that were chosen
     nrmse: FloatArray = field(default_factory=lambda: np.zeros(0))  # NRMSE of each joint over all folds, (n,)
     # NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,)
@@ -45,8 +46,13 @@ class Candidate:
 
     @property
     def mean(self) -> float:
-        """Mean NRMSE over joints and folds, by which candidates are compared."""
+        """Mean NRMSE over joints and folds in time."""
         return np.inf if self.failure else float(self.folds.mean())
+
+    @property
+    def error(self) -> float:
+        """Mean and fast error, added: as at each joint, stretches of time and faster motion count alike."""
+        return float(self.mean + np.nan_to_num(self.fast))
 
     def standard_error(self, best: Candidate) -> float:
         """Standard error of the difference from another candidate, fold by fold."""
@@ -55,7 +61,8 @@ class Candidate:
     def fit(self, leg: Leg, recordings: Recording | Sequence[Recording], cutoff: float) -> Estimate:
         """Identify; coefficients that are left out are held at zero."""
         known = dict.fromkeys(self.zero, 0.0) or None
-        return identify(leg, recordings, self.terms, "huber", preparation=ZeroPhase(cutoff), known=known)
+        how: FitOptions = {"preparation": ZeroPhase(cutoff), "known": known, "delay": self.delay}
+        return identify(leg, recordings, self.terms, "huber", **how)
 
     def to_json(self) -> dict[str, Any]:
         """Turn the figures into what JSON can hold."""
@@ -66,25 +73,6 @@ class Candidate:
         return {"name": self.name, "numbers": self.numbers, **figures, "failure": self.failure}
 
 
-def least(candidates: Sequence[Candidate]) -> int:
-    """Find the smallest mean error."""
-    best = int(np.argmin([candidate.mean for candidate in candidates]))
-    if candidates[best].failure:
-        raise NotIdentifiableError(
-            f"no candidate can be fitted: {candidates[0].failure}", remedy="record longer and richer motions"
-        )
-    return best
-
-
-def best_of(candidates: Sequence[Candidate]) -> int:
-    """Find the one with the fewest numbers among those within one standard error of the best."""
-    best = candidates[least(candidates)]
-    within = [
-        k for k, one in enumerate(candidates) if not one.failure and one.mean - best.mean <= one.standard_error(best)
-    ]
-    return min(within, key=lambda k: (candidates[k].numbers, k))
-
-
 def select_by_joint(
     search: Search, progress: Callable[[float], None]
 ) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
@@ -93,18 +81,22 @@ def select_by_joint(
     ends = []
     for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
         report = partial(lambda first, share: progress(first + 0.3 * share), begin)
-        ends.append(search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report)))
-    found = ends[best_of([_scored(search, "by joint", end.choice) for end in ends])]
+        found = search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report))
+        ends.append((_scored(search, "by joint", found.choice), found))
+    by_joint, found = min(ends, key=lambda end: end[0].error)
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
-    choices = [plain, found.choice, *same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)]
-    names = ["coulomb", "by joint"]
-    names += [f"all: {JointFriction.of('', max(each.columns, key=len)).text}" for each in choices[2:]]
-    candidates = [_scored(search, *pair) for pair in zip(names, choices, strict=True)]
-    # As at each joint, stretches of time and faster motion count alike.
-    chosen = min(range(1, len(candidates)), key=lambda k: candidates[k].mean + np.nan_to_num(candidates[k].fast))
-    found = found._replace(choice=choices[chosen])
+    alike = same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)
+    choices, candidates = [plain, found.choice, *alike], [_scored(search, "coulomb", plain), by_joint]
+    candidates += [_scored(search, f"all: {JointFriction.of('', max(a.columns, key=len)).text}", a) for a in alike]
+    several = [found._replace(choice=choice) for choice in choices]
     progress(0.75)
     while True:
+        chosen = min(range(len(candidates)), key=lambda k: candidates[k].error)
+        found = several[chosen]
+        if candidates[chosen].failure:
+            raise NotIdentifiableError(
+                f"no candidate can be fitted: {candidates[chosen].failure}", remedy="record longer and richer motions"
+            )
         try:
             estimate = candidates[chosen].fit(search.leg, search.recordings, search.cutoff)
         except NotIdentifiableError as error:
@@ -115,9 +107,9 @@ def select_by_joint(
             faults = _faults(found, estimate)
         if not faults:
             break
-        for joint, symbol in faults:  # each round bans a coefficient for good
+        for joint, symbol in faults:  # each round bans a coefficient for good; another candidate may then be better
             found = found.without(joint, symbol)
-        candidates[chosen] = _scored(search, candidates[chosen].name, found.choice)
+        several[chosen], candidates[chosen] = found, _scored(search, candidates[chosen].name, found.choice)
         progress(0.9)
     progress(1.0)
     return candidates, chosen, found.choice.columns, estimate
@@ -131,7 +123,8 @@ def _scored(search: Search, name: str, choice: Choice) -> Candidate:
     for columns, joint, label in zip(choice.columns, leg.joint_names, leg.joint_labels, strict=True):
         friction += terms_of((*columns, *absent(columns)), joint)
         zero += [*zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))]
-    candidate = Candidate(name, (*friction, Armature(), *search.beside), tuple(zero))
+    terms, delay = (*friction, Armature(), *search.beside), "auto" if search.late else None
+    candidate = Candidate(name, terms, tuple(zero), delay)
     try:  # joints are loaded by the rigid bodies of the choice
         design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])
         found = held_out_errors(design, search.recordings, search.folds)

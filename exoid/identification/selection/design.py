@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.group_rows import Keep
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import JointMotion, Motion, Presliding, TorqueModel
@@ -61,7 +60,6 @@ def form_design(
     cutoff: float,
     library: Sequence[Columns],
     rigid: FloatArray | None = None,
-    keep: Keep | None = None,
 ) -> Design:
     """Form the rows of a fit in one pass over the samples."""
     # No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp
@@ -77,8 +75,7 @@ def form_design(
         for stretch in each.stretches():
             part = _form(model, each, stretch, library, states, rigid)
             mask = each.inside[stretch.start : stretch.stop : stretch.step]
-            kept = mask if keep is None else mask & np.asarray(keep(index, part.time))
-            parts.append(part._replace(recording=np.full(len(mask), index, dtype=np.intp)).some(kept))
+            parts.append(part._replace(recording=np.full(len(mask), index, dtype=np.intp)).some(mask))
     return Design(
         np.concatenate([part.recording for part in parts]),
         np.concatenate([part.time for part in parts]),

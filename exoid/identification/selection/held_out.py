@@ -59,12 +59,6 @@ def fold_of(blocks: Blocks, design: Design) -> Fold:
     return Fold(~near, tested)
 
 
-def fast_fold(speed: FloatArray, quantile: float = 0.6) -> Fold:
-    """Test rows that are faster than all that are fitted."""
-    slow = speed <= np.quantile(speed, quantile)
-    return Fold(slow, ~slow)
-
-
 class HeldOut(NamedTuple):
     """Errors on rows that were not fitted."""
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.identification.group_rows import Keep
 from exoid.leg.leg import Leg
-from exoid.signals import Recording
+from exoid.regression.rows import for_leg
+from exoid.signals import Recording, without_torque_delay
 from exoid.torques import Armature, Term, TorqueModel
 
 from .design import Design, form_design
-from .held_out import Fold, blocked_folds, fast_fold, fold_of
+from .held_out import Fold, blocked_folds, fast_blocks, fold_of
 from .normal_equations import Active, NormalEquations, residuals
 from .patterns import ALWAYS, LOAD, PLAIN, Columns, Grid, Pattern, patterns
 
@@ -29,17 +29,18 @@ class Search:
     recordings: Sequence[Recording]  # the recordings
     cutoff: float  # cut-off frequency of the parallel filter [Hz]
     folds: int  # number of folds in time
-    keep: Keep | None = None  # function that selects rows; None for all
     progress: Callable[[float], None] | None = None  # called with the share done
     # number of first sweeps in which all joints have an offset: what it is worth shows when the load of
     # friction is right
     offset_sweeps: int = 0
     beside: tuple[Term, ...] = ()  # terms that every model has besides rigid bodies, armatures and friction
+    late: Mapping[int, float] = field(default_factory=dict)  # delay of the torque of each joint [s], by its index
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
         model = TorqueModel(self.leg, (Armature(), *self.beside))  # what all candidates share
-        return form_design(model, self.recordings, self.cutoff, library, rigid, self.keep)
+        recordings = [without_torque_delay(for_leg(model, one), self.late) for one in self.recordings if self.late]
+        return form_design(model, recordings or self.recordings, self.cutoff, library, rigid)
 
 
 class Choice(NamedTuple):
@@ -67,7 +68,7 @@ class Tables(NamedTuple):
 
     design: Design  # the rows
     grids: tuple[Grid, ...]  # settings that are tried at each joint, n of them
-    folds: tuple[Fold, ...]  # folds in time, then that of the fast rows of each joint
+    folds: tuple[Fold, ...]  # folds in time, then that of the fastest seconds
     equations: tuple[NormalEquations, ...]  # normal equations of each fold
     whole: NormalEquations  # those of all rows
 
@@ -78,11 +79,17 @@ class Tables(NamedTuple):
             tuple(dict.fromkeys((*grid.columns, *chosen))) for grid, chosen in zip(grids, choice.columns, strict=True)
         ]
         design = search.design(library, choice.base[: len(search.leg.parameter_names)])
-        in_time = [fold_of(blocks, design) for blocks in blocked_folds(search.recordings, search.folds)]
-        folds = (*in_time, *(fast_fold(np.abs(speed)) for speed in design.v.T))
+        blocks = (*blocked_folds(search.recordings, search.folds), fast_blocks(search.recordings))
+        folds = tuple(fold_of(each, design) for each in blocks)
         equations = tuple(_normal(design, fold.fitted, choice.sigma) for fold in folds)
         whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), choice.sigma)
         return cls(design, grids, folds, equations, whole)
+
+    @property
+    def weights(self) -> list[float]:
+        """Weight of a tested row of each fold: the mean in time and that of the fastest seconds are added."""
+        tested = [max(int(fold.tested.sum()), 1) for fold in self.folds]
+        return [*np.full(len(tested) - 1, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]
 
 
 class Found(NamedTuple):
@@ -140,12 +147,8 @@ def choose(
     """Choose the friction of one joint: fewest numbers within one standard error of the least error."""
     design, active = tables.design, _active(tables.design, chosen)
     whole = tables.whole.project(joint, active)
-    in_time = len(tables.folds) - len(chosen)
-    folds = [*range(in_time), in_time + joint]
-    projected = [tables.equations[k].project(joint, active) for k in folds]
-    tested = [int(tables.folds[k].tested.sum()) for k in folds]
-    weights = [*np.full(in_time, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]  # mean in time plus mean of fast rows
-    rows = [design.some(tables.folds[k].tested) for k in folds]
+    projected = [each.project(joint, active) for each in tables.equations]
+    rows = [design.some(fold.tested) for fold in tables.folds]
     held_out = [each.residuals(of_fold, joint, active) for each, of_fold in zip(projected, rows, strict=True)]
     candidates: list[tuple[Pattern, Columns, FloatArray]] = []
     gains: dict[Pattern, float] = {}
@@ -169,12 +172,12 @@ def choose(
             continue  # a bound would be active: the best positive coefficients are those of the simpler model
         gains[pattern] = gain
         loss = np.zeros(len(design.time))
-        for k, equations, weight, (left, G) in zip(folds, projected, weights, held_out, strict=True):
+        for fold, equations, weight, (left, G) in zip(tables.folds, projected, tables.weights, held_out, strict=True):
             c, _, lower = equations.solve(sets)
             good = pattern.dissipative(c)
             index = int(np.argmax(np.where(good, lower, -np.inf))) if good.any() else best
             error = (left - np.tensordot(c[index], G[sets[index]], 1)) / sigma[:, None]
-            loss[tables.folds[k].tested] += weight * np.sum(error**2, axis=0)
+            loss[fold.tested] += weight * np.sum(error**2, axis=0)
         candidates.append((pattern, settings[best], loss))
     # A pattern without c0 or d is there for joints at which it would be negative.
     return _fewest([one for one in candidates if not any(one[0].lacks(other[0]) for other in candidates)])
@@ -182,10 +185,8 @@ def choose(
 
 def same_at_all_joints(found: Found, most: int) -> list[Choice]:
     """Best friction models that are the same at all joints, one a pattern, by the rows that joints are judged on."""
-    tables, n = found.tables, len(found.choice.columns)
+    tables = found.tables
     tested = [_normal(tables.design, fold.tested, found.choice.sigma) for fold in tables.folds]
-    rows = [float(fold.tested.sum()) for fold in tables.folds]
-    weights = [*np.full(len(rows) - n, 1.0 / sum(rows[:-n])), *(1.0 / (n * count) for count in rows[-n:])]
     best: list[tuple[float, tuple[Columns, ...]]] = []
     for pattern in (each for each in patterns() if {*ALWAYS, "offset"} <= {*each.symbols}):
         errors: list[tuple[float, tuple[Columns, ...]]] = []
@@ -193,7 +194,7 @@ def same_at_all_joints(found: Found, most: int) -> list[Choice]:
             unloaded = tuple(column for column in columns if column.symbol not in LOAD)
             of_joints = tuple(columns if tau.any() else unloaded for tau in tables.design.tau)
             active = _active(tables.design, of_joints)
-            of_folds = zip(weights, tables.equations, tested, strict=True)
+            of_folds = zip(tables.weights, tables.equations, tested, strict=True)
             errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), of_joints))
         least = min(errors, key=lambda one: one[0])
         best += [] if any(column.describes_reversals for columns in least[1] for column in columns) else [least]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
+from exoid.errors import BadArgumentError, ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.estimate import Estimate
+from exoid.identification.identify import FitOptions, identify
 from exoid.identification.recording_summary import (
     refuse_dead_torques,
     refuse_still_joints,
@@ -17,13 +19,13 @@ from exoid.identification.recording_summary import (
     unmeasured_joints,
 )
 from exoid.leg.leg import Leg
-from exoid.signals import Recording
+from exoid.signals import Recording, ZeroPhase
 from exoid.signals.cutoff import choose_cutoff
 from exoid.tools.tables import make_table, to_text
-from exoid.torques import Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 from exoid.torques.catalog import term_to_json
 
-from .by_joint import Candidate, least, select_by_joint
+from .by_joint import Candidate, select_by_joint
 from .patterns import JointFriction
 from .per_joint import Search
 
@@ -105,7 +107,7 @@ class Selection:
     def __str__(self) -> str:
         """Print as a table."""
         headers = ("candidate", "fits", *self.leg.joint_labels, "mean", "± to best", "fast")
-        best = self.candidates[least(self.candidates)]
+        best = min(self.candidates, key=lambda one: one.mean)
         rows = []
         for k, one in enumerate(self.candidates):
             name = f"* {one.name}" if k == self.chosen else f"  {one.name}"
@@ -187,8 +189,19 @@ def select_terms(
             command="name the joints that were measured by --joints",
             joints=tuple(missing),
         )
-    search = Search(leg, several, cutoff, folds, beside=tuple(beside))
+    late = _late_torques(leg, several, cutoff, beside)
+    search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late)
     report = progress or (lambda share: None)
     candidates, chosen, columns, estimate = select_by_joint(search, report)
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))
     return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)
+
+
+def _late_torques(leg: Leg, recordings: Sequence[Recording], cutoff: float, beside: Sequence[Term]) -> dict[int, float]:
+    """Delays of the torques beside the default terms [s], if all are late: friction would be chosen to imitate them."""
+    # One joint that is late, or torques that are early, may be friction of another form.
+    with suppress(ExoidError):
+        how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
+        late = identify(leg, recordings, (*DEFAULT_TERMS, *beside), **how).torque_delays
+        return dict(enumerate(late.tolist())) if (late > 0.0).all() else {}
+    return {}
