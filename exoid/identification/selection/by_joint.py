@@ -77,13 +77,16 @@ def select_by_joint(
     search: Search, progress: Callable[[float], None]
 ) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
     """Choose the friction of each joint, or one for all: all candidates, which, its friction, and its fit."""
-    # The search may end elsewhere if it starts elsewhere: two starts, of which the better end counts.
+    # The search may end elsewhere if it starts elsewhere: two starts, of which the better end counts. Friction of another
+    # form can look like a delay: only the second start shifts the torques.
     ends = []
     for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
         report = partial(lambda first, share: progress(first + 0.3 * share), begin)
-        found = search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, progress=report))
-        ends.append((_scored(search, "by joint", found.choice), found))
+        late = search.late if offset_sweeps else {}
+        found = search_joint_by_joint(replace(search, offset_sweeps=offset_sweeps, late=late, progress=report))
+        ends.append((_scored(found.search, "by joint", found.choice), found))
     by_joint, found = min(ends, key=lambda end: end[0].error)
+    search = found.search
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
     alike = same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)
     choices, candidates = [plain, found.choice, *alike], [_scored(search, "coulomb", plain), by_joint]
