@@ -77,8 +77,8 @@ def select_by_joint(
     search: Search, progress: Callable[[float], None]
 ) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
     """Choose the friction of each joint, or one for all: all candidates, which, its friction, and its fit."""
-    # The search may end elsewhere if it starts elsewhere: two starts, of which the better end counts. Friction of another
-    # form can look like a delay: only the second start shifts the torques.
+    # The search may end elsewhere if it starts elsewhere: two starts, of which the better end counts. Only the second
+    # shifts torques: friction of another form may look like a delay.
     ends = []
     for begin, offset_sweeps in ((0.0, 0), (0.3, 2)):
         report = partial(lambda first, share: progress(first + 0.3 * share), begin)
@@ -88,13 +88,15 @@ def select_by_joint(
     by_joint, found = min(ends, key=lambda end: end[0].error)
     search = found.search
     plain = found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))
-    alike = same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)
-    choices, candidates = [plain, found.choice, *alike], [_scored(search, "coulomb", plain), by_joint]
-    candidates += [_scored(search, f"all: {JointFriction.of('', max(a.columns, key=len)).text}", a) for a in alike]
+    same = same_at_all_joints(found, 3 if len(plain.columns) > 1 else 0)
+    choices, candidates = [plain, found.choice, *same], [_scored(search, "coulomb", plain), by_joint]
+    candidates += [_scored(search, f"all: {JointFriction.of('', max(a.columns, key=len)).text}", a) for a in same]
     several = [found._replace(choice=choice) for choice in choices]
     progress(0.75)
     while True:
-        chosen = min(range(len(candidates)), key=lambda k: candidates[k].error)
+        least = min(candidate.error for candidate in candidates)
+        alike = [k for k, one in enumerate(candidates) if one.error <= 1.02 * least]  # by hand: 2 % are no difference
+        chosen = min(alike, key=lambda k: candidates[k].numbers)
         found = several[chosen]
         if candidates[chosen].failure:
             raise NotIdentifiableError(
