@@ -125,8 +125,8 @@ class Selection:
             make_table(("joint", "friction"), [(joint.joint, joint.text) for joint in self.joints]),
             title,
             make_table(headers, rows),
-            f"* chosen: {self.candidate.name}, with the fewest numbers of those whose mean and fast errors together are "
-            "at most 2 % above the least",
+            f"* chosen: {self.candidate.name}, the fewest numbers of those whose mean and fast errors together are at "
+            "most 2 % above the least",
             *(f"{one.name}: {one.failure}" for one in self.candidates if one.failure),
             *(f"warning: {warning}" for warning in self.warnings),
         )
