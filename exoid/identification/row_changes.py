@@ -414,5 +414,4 @@ def _with_torques(problem: Problem, parts: Sequence[int], reading: Reading | Non
 
 def rms_residuals(problem: Problem, parts: Sequence[int], values: FloatArray) -> FloatArray:
     """RMS residual of each row of some groups."""
-    each = [(problem.groups[k].by_row, values[problem.places[k]]) for k in parts]
-    return np.array([rms_residual(row, own) for by_row, own in each for row in by_row])
+    return np.array([rms_residual(row, values[problem.places[k]]) for k in parts for row in problem.groups[k].by_row])
