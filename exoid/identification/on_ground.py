@@ -370,8 +370,8 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArra
     problem, group, values, found = fitted.problem, fitted.problem.groups[index], fitted.values(index), []
     residuals = [(rows.time, residual(rows, values)) for rows in map(group.decimated, range(len(group.data)))]
     sizes = [np.abs(row[row != 0.0]) for row in np.vstack([left for _, left in residuals]).T]
-    # by the median, which outliers do not move, and by up to twice as much where noise is not the same at all times; not
-    # for feet that carry the base: slips look alike. And at least a small part of the torque of the row
+    # by the median, which outliers do not move, or by up to twice as much where noise is not the same at all times; not
+    # for feet that carry the base: slips look alike. But at least by a small part of the torque of the row
     quantiles = np.array([np.quantile(x, (0.5, 0.9)) if len(x) else (np.inf, np.inf) for x in sizes])
     middle, most = quantiles.T / [[0.6745], [1.6449]]  # those of normal noise
     stands = any(isinstance(one, Recording) and isinstance(one.base, StandingBase) for one in group.data)
