@@ -14,9 +14,8 @@ from exoid.experiments import (
 )
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG, fit_to_limits
 from exoid.experiments.limits import refuse_motion_beyond_limits
-from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Wearer, simulate
 
-GAIT, WALK, LEG = healthy_gait(1.0, 1.0), healthy_gait(0.8, 1.2), exoid.load_leg("cuhk")
+GAIT = healthy_gait(1.0, 1.0)
 START, GOAL = np.array([[0.0], [0.5]]), np.array([[0.3], [-0.5]])
 MOTIONS = {
     **{"gait": healthy_gait(), "swing": cuhk.swing(0), "hold": Hold(np.ones((2, 3)))},
@@ -75,25 +74,6 @@ def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
             shank = leg.forward_kinematics(q).rotation[0, 1] @ np.array([0.0, 0.0, -1.0])
             tilt = flexion[0] - flexion[1]
             np.testing.assert_allclose(shank[[0, 2]], [np.sin(tilt), -np.cos(tilt)], atol=1e-12)
-
-
-@pytest.mark.slow
-def test_a_wearer_moves_so():
-    """Muscles with feedforward, no cuff: the limb does what is intended."""
-    motion = WALK
-    wearer = Wearer.build(LEG, intention=motion, cuff_stiffness=0.0, cuff_damping=0.0)
-    plant = Plant.build(LEG, end_stops=False)
-    run = simulate(
-        plant,
-        motion,
-        ProportionalDerivative(50.0, 5.0),
-        IdealTorque(),
-        1.2,
-        wearer=wearer,
-        rates=Rates(500.0, 100.0, 5e-4),
-    )
-    aim = np.array([motion.at(t).q for t in run.time])
-    np.testing.assert_allclose(run.limb_q, aim, atol=1e-4)
 
 
 @pytest.mark.parametrize("scale", [0.3, 3.0])

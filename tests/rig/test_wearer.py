@@ -105,8 +105,10 @@ WEARERS = {
 }
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("kind", WEARERS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=getattr(pytest.mark, "slow" if kind == "active" else "nightly")) for kind in WEARERS],
+)
 def test_leg_and_limb_move_as_pinocchio_says(kind):
     """Another integrator, other dynamics code, leg and limb as two trees: 1e-5 rad, and the torque between them."""
     wearer = WEARERS[kind]
