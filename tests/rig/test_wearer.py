@@ -186,6 +186,20 @@ def test_the_muscles_work_is_part_of_the_balance():
     assert energy.work[0] == pytest.approx(energy.gain[0] + energy.dissipated[0], rel=1e-4)
 
 
+def test_what_the_leg_gets_the_limb_loses():
+    """One joint without weight: the angular momentum of leg and limb together does not change."""
+    leg = random_chain(np.random.default_rng(1), 1).leg()
+    leg, limb = (leg.with_parameters([0.0, 0.0, inertia]) for inertia in (0.8, 0.3))
+    plant = Plant.build(leg, end_stops=False)
+    rig = WornStepper(Stepper(plant, np.array([[0.2]]), np.array([[3.0]]), 5e-4), Wearer(limb, 400.0, 4.0), 2000)
+    rig.limb.move(np.array([[-1.0]]))
+    momentum = 0.8 * rig.v + 0.3 * rig.limb.v
+    for _ in range(2000):
+        rig.step(np.zeros((1, 1)), np.zeros((1, 1)))
+        np.testing.assert_allclose(0.8 * rig.v + 0.3 * rig.limb.v, momentum, rtol=0, atol=1e-12)
+    np.testing.assert_allclose([rig.v, rig.limb.v], momentum[0, 0] / 1.1, rtol=1e-3)
+
+
 # -------------------------------------------------------------------------------------------- many rigs
 
 
