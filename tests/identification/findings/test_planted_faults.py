@@ -132,6 +132,12 @@ FAULTS = {
     "cross-talk": Fault(
         lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
     ),
+    **{
+        f"an angle off {k} times a turn": Fault(
+            column("q", 1, lambda x, k=k: x + 0.005 * np.sin(k * x + 0.5)), "angle-ripple", 1, about(0.005, 0.001)
+        )
+        for k in (4, 8)
+    },
     "play in a gear": Fault(behind(lambda load: 0.001 * np.tanh(load / 0.1)), "play", 1, about(0.00125, 0.0003)),
     "an elastic joint": Fault(behind(lambda load: load / 300.0), "elastic-joint", 1, about(300.0, 30.0)),
     "a slow clock": Fault(
