@@ -13,7 +13,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (7118, 5000),
     "estimate": (3529, 2900),
     "experiments": (3554, 3200),
-    "identification": (7941, 7200),
+    "identification": (7960, 7200),
     "lab": (4634, 5000),
     "leg": (4569, 4200),
     "online": (1509, 1500),
