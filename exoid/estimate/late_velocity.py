@@ -1,4 +1,4 @@
-"""Logged velocities that are late, which neither an estimate nor its validation uses."""
+"""Logged velocities that are late or out of scale, which neither an estimate nor its validation uses."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from exoid.regression.least_squares import scaled_inverse, scaled_lstsq
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.differentiation import central_difference
 
-from .finding import Finding
+from .finding import Finding, Severity
 
 
 def without_late_velocity(recording: Recording) -> tuple[Recording, list[Finding]]:
-    """Leave out logged velocities that are late, and say so: the derivative of the angles is not."""
-    found = [each for each in late_velocities(recording) if each.kind == "velocity-delay"]
+    """Leave out logged velocities that are late or out of scale, and say so: the derivative of the angles is not."""
+    found = list(late_velocities(recording))
     return (replace(recording, v=None, a=None) if found else recording), found
 
 
@@ -40,21 +40,24 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
         late = _delay(rows, logged[inner, k])
         if late is None or np.ptp(q[inner, k]) < 0.02:  # [rad], at a stall the derivative is noise
             continue
-        gain, delay, error = late
-        if abs(delay) > max(4.5 * error, 1e-3):
+        gain, delay, errors = late
+        is_late = abs(delay) > max(4.5 * errors[1], 1e-3)
+        if is_late:
             when = "after" if delay > 0.0 else "before"
             message = f"the logged velocity comes {1e3 * delay:.3g} ms {when} the derivative of the angle"
             remedy = "leave the velocity out of the log, as is done here: it is derived from the angle without delay"
-            interval = delay - 2.0 * error, delay + 2.0 * error
+            interval = delay - 2.0 * errors[1], delay + 2.0 * errors[1]
             yield Finding("velocity-delay", joint, delay, "s", "warning", message, remedy, interval)
-        if abs(gain - 1.0) > 0.05:
+        # a low-pass that makes it late takes a little of its size, too
+        if abs(gain - 1.0) > (0.05 if is_late else max(4.5 * errors[0], 0.01)):
             message = f"the logged velocity is {gain:.3g} times the derivative of the angle"
-            remedy = "leave the velocity out of the log, or correct its unit or sign"
-            yield Finding("velocity-scale", joint, gain, "1", "error", message, remedy)
+            remedy = "leave the velocity out of the log, as is done here, or correct its unit or sign"
+            severity: Severity = "error" if abs(gain - 1.0) > 0.05 else "warning"
+            yield Finding("velocity-scale", joint, gain, "1", severity, message, remedy)
 
 
-def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] | None:
-    """Gain, delay [s] and its standard deviation, from blocks of the record; None where nothing moves."""
+def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, FloatArray] | None:
+    """Gain, delay [s] and their standard deviations, from blocks of the record; None where nothing moves."""
     if np.std(rows[:, 0]) == 0.0 or np.std(logged) == 0.0:
         return None
     whole = scaled_lstsq(rows, logged)
@@ -66,4 +69,4 @@ def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, float] |
     inverse = scaled_inverse(rows.T @ rows)
     scores = np.array([rows[block].T @ residual[block] for block in blocks])
     covariance = inverse @ (scores.T @ scores) @ inverse * len(blocks) / (len(blocks) - 1)
-    return gain, -float(whole[1]) / gain, float(np.sqrt(covariance[1, 1])) / abs(gain)
+    return gain, -float(whole[1]) / gain, np.sqrt(np.diag(covariance)) / abs(gain)

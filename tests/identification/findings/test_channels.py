@@ -69,8 +69,18 @@ def test_a_velocity_at_a_stall_is_no_wrong_velocity():
     v[:, 2] = 0.02 * rng.standard_normal(len(q))
     found = [f for f in exoid.check(leg, dataclasses.replace(log, q=q, v=v)) if f.kind.startswith("velocity")]
     assert "left_ankle" not in {f.joint for f in found}
-    scaled = exoid.check(leg, dataclasses.replace(log, q=log.q, v=2.0 * np.gradient(log.q, log.time, axis=0)))
-    assert {f.joint for f in scaled if f.kind == "velocity-scale"} == {*leg.joint_names}
+
+
+@pytest.mark.parametrize(("gain", "severity"), [(2.0, "error"), (1.02, "warning"), (1.003, None)])
+def test_a_velocity_out_of_scale_is_named_and_not_used(gain, severity):
+    """Of 2 percent, inertias would be off by 2 percent, too."""
+    leg, log = clean()
+    scaled = dataclasses.replace(log, v=gain * np.gradient(log.q, log.time, axis=0))
+    estimate = exoid.identify(leg, scaled)
+    found = {f.joint: f.severity for f in estimate.findings if f.kind == "velocity-scale"}
+    assert found == ({} if severity is None else dict.fromkeys(leg.joint_names, severity))
+    if severity is not None:
+        assert estimate.values == pytest.approx(exoid.identify(leg, log).values, rel=1e-9)
 
 
 @pytest.mark.parametrize(("lost", "words"), [((300,), "1 gap although"), ((300, 700), "2 gaps although")])
