@@ -20,9 +20,8 @@ def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
     for coupling in actuators.couplings.values():
         places = [names.index(name) for name in coupling.joints]
         for k, place in enumerate(places):
-            commands[place] = _sum(
-                [(row[k], f"tau[{j}]") for row, j in zip(coupling.matrix, places, strict=True)], dialect
-            )
+            shares = [(row[k], j) for row, j in zip(coupling.matrix, places, strict=True)]
+            commands[place] = " + ".join(f"{dialect.number(share)} * tau[{j}]" for share, j in shares)
     return commands
 
 
@@ -35,10 +34,6 @@ def with_form_in_c(actuators: Actuators | None) -> tuple[Actuators | None, tuple
     except ExoidError as error:
         return None, (f"no function for commands of the drives: {error.what}",)
     return actuators, ()
-
-
-def _sum(parts: list[tuple[float, str]], dialect: Dialect) -> str:
-    return " + ".join(f"{dialect.number(share)} * {name}" for share, name in parts)
 
 
 def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:

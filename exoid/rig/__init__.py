@@ -3,7 +3,7 @@
 from exoid.leg.payload import Payload
 
 from .actuators import Actuator, DcMotor, HydraulicServo, IdealTorque, StepTorque
-from .bodies import leg_with_payloads, limb_of, plant_with_payloads, sandbags
+from .bodies import limb_of, plant_with_payloads, sandbags
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
@@ -34,7 +34,6 @@ __all__ = [
     "Stepper",
     "Target",
     "Wearer",
-    "leg_with_payloads",
     "limb_of",
     "plant_with_payloads",
     "sandbags",

@@ -110,22 +110,6 @@ def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:
     return replace(plant, parameters=plant.parameters + payload_parameters(plant.leg, payloads)[:, None])
 
 
-def leg_with_payloads(leg: Leg, payloads: Sequence[Payload]) -> Leg:
-    """Fix payloads to a leg, so that its model includes them.
-
-    Args:
-        leg: The leg.
-        payloads: Bodies to add.
-
-    Returns:
-        The leg with the payloads.
-
-    Raises:
-        ExoidError: The leg does not have a joint that a payload names.
-    """
-    return leg.with_parameters(leg.parameters + payload_parameters(leg, payloads))
-
-
 def _refuse_stature(height: float, mass: float) -> None:
     if not (0.0 < height < 2.6 and 0.0 < mass < 350.0):
         raise BadArgumentError(

@@ -65,7 +65,11 @@ def _pieces(table: DataTable, most: int) -> Iterator[list[str]]:
     """Cut a table into tables of at most so many characters a line, each with the first column."""
     first, last = 1, len(table.headers)
     while first < last:  # columns that do not fit beside each other go into a table below
-        columns = _columns(table, first, last)
+        headers, rows = (
+            (table.headers[0], *table.headers[first:last]),
+            [(row[0], *row[first:last]) for row in table.rows],
+        )
+        columns = headers, rows
         # Widest table with wide gaps between its columns; in a wider one they are a character narrower
         lines = _drawn(*columns, min(80, most), 3, _width) or _drawn(*columns, most, 2, _unbroken)
         if lines is not None or last == first + 1:
@@ -129,11 +133,6 @@ def _letter(cell: str) -> int:
 def _unbroken(cell: str) -> int:
     """Length of what of a cell stays on one line: its longest word, or all of it if it is a number."""
     return max(map(_width, cell.split()), default=0) if any(map(str.isalpha, cell)) else _width(cell)
-
-
-def _columns(table: DataTable, first: int, last: int) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
-    """Headers and rows of the first column and those from ``first`` to before ``last``."""
-    return (table.headers[0], *table.headers[first:last]), [(row[0], *row[first:last]) for row in table.rows]
 
 
 def to_html(*parts: DataTable | str) -> str:

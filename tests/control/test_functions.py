@@ -6,6 +6,7 @@ import pytest
 from exoid import ExoidError, load_exo, load_leg
 from exoid.control import functions
 from exoid.control.functions import FUNCTIONS, PHASE, SIDES, Body, joint_angles
+from exoid.control.functions.walk import stride_flexion
 from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 from exoid.signals.link_wrenches import link_placements
 
@@ -98,11 +99,11 @@ def test_sitting_scales_with_chair_and_wearer():
 
 def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):
     """The healthy stride, written as a table, makes the same walk."""
-    stride = functions.stride_flexion("healthy", 1.0)
+    stride = stride_flexion("healthy", 1.0)
     rows = np.column_stack([PHASE, np.rad2deg(stride)])[::2]
     path = tmp_path / "stride.csv"
     np.savetxt(path, rows, delimiter=",", header="phase,hip_deg,knee_deg,ankle_deg", comments="")
-    np.testing.assert_allclose(functions.stride_flexion(path, 1.0), stride, rtol=0, atol=5e-3)
+    np.testing.assert_allclose(stride_flexion(path, 1.0), stride, rtol=0, atol=5e-3)
     body = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES)
     again = functions.walk(body, reference=path, scale=1.0)
     np.testing.assert_allclose(again.flexion, functions.walk(body, scale=1.0).flexion, rtol=0, atol=0.02)

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from loaded_legs import with_payloads
 from public_robots import urdf_of
 from unchecked import identify
 from walking import IMU, Walk
@@ -77,7 +78,7 @@ def test_a_leg_in_space_is_identified_on_a_base_that_turns_every_way():
 def test_a_payload_on_the_leg_moves_with_the_base():
     leg = exoid.load_leg("cuhk")
     load = Payload("left_knee", 3.0, (0.0, 0.0, -0.3))
-    heavy = exoid.rig.leg_with_payloads(leg, [load])
+    heavy = with_payloads(leg, [load])
     recording = dataclasses.replace(Walk(heavy, seconds=60.0).recording(), payloads=(load,))
     estimate = identify(leg, recording, terms=())
     assert max(errors(estimate, leg, "X")) < 0.5

@@ -3,9 +3,10 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from loaded_legs import with_payloads
 
 import exoid
-from exoid.rig import Payload, Plant, leg_with_payloads, plant_with_payloads, sandbags
+from exoid.rig import Payload, Plant, plant_with_payloads, sandbags
 
 LOADS = (Payload("hip", 2.0, (0.05, 0.1, -0.2), 0.04), Payload("left_knee", 1.5, (-0.02, 0.0, -0.3)))
 
@@ -23,7 +24,7 @@ def welded(leg, loads):
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
 def test_a_loaded_leg_moves_as_pinocchio_says(name):
     leg = exoid.load_leg(name)
-    loaded, model = leg_with_payloads(leg, LOADS), welded(leg, LOADS)
+    loaded, model = with_payloads(leg, LOADS), welded(leg, LOADS)
     data = model.createData()
     for q, v, a in np.random.default_rng(0).uniform(-1.0, 1.0, (10, 3, len(leg.joint_names))):
         np.testing.assert_allclose(loaded.inverse_dynamics(q, v, a)[0], pin.rnea(model, data, q, v, a), atol=1e-12)
@@ -33,7 +34,7 @@ def test_every_rig_of_a_plant_is_loaded_alike():
     leg = exoid.load_leg("cuhk")
     light = Plant.concatenate([Plant.build(leg), Plant.build(leg, {"X2": 1.0})])
     heavy = plant_with_payloads(light, LOADS)
-    difference = leg_with_payloads(leg, LOADS).parameters - leg.parameters
+    difference = with_payloads(leg, LOADS).parameters - leg.parameters
     np.testing.assert_allclose(heavy.parameters - light.parameters, np.tile(difference[:, None], 2), atol=1e-12)
     assert difference[leg.parameter_names.index("X2")] == pytest.approx(1.5 * 0.3)
     assert difference[leg.parameter_names.index("J2")] == pytest.approx(1.5 * (0.3**2 + 0.02**2))

@@ -27,8 +27,8 @@ from exoid.rig import (
     Sensors,
     Stepper,
     Wearer,
-    leg_with_payloads,
     limb_of,
+    plant_with_payloads,
     sandbags,
     simulate,
 )
@@ -169,7 +169,7 @@ REFUSED = {
         ("finite", lambda: Plant.build(BLEEX, {"X1": np.inf})),
         *(("payload", lambda x=x: Payload("hip", *x)) for x in ((-1.0,), (np.nan,), (1.0, (0.0, np.inf, 0.0)))),
         *(("payload", lambda x=x: Payload("hip", 1.0, gyration=x)) for x in (-0.1, 500.0)),
-        ("ankle", lambda: leg_with_payloads(CUHK, [Payload("ankle", 1.0)])),
+        ("ankle", lambda: plant_with_payloads(Plant.build(CUHK), [Payload("ankle", 1.0)])),
         ("base", lambda: Wearer(exoid.load_leg("cuhk", base="floating"))),
         ("foot", lambda: GroundPlant.build(LEGS, {"foot": BLEEX_SOLES["left_foot"]})),
     ],

@@ -7,7 +7,7 @@ from .body import SEAT, SIDES, Body, contact_name, joint_angles, legs_flexion
 from .chair import rise, seated_hip, sit, stand
 from .function import PHASE, Contacts, Function, minimum_jerk
 from .stairs import stairs
-from .walk import stride_flexion, walk
+from .walk import walk
 
 FUNCTIONS = {
     "stand": stand,
@@ -37,6 +37,5 @@ __all__ = [
     "sit",
     "stairs",
     "stand",
-    "stride_flexion",
     "walk",
 ]

@@ -24,20 +24,8 @@ DOWN = 0.004
 """Height of the lowest point of a sole below which a foot of a walk counts as on the ground [m]."""
 
 
-def stride_flexion(reference: str | os.PathLike[str] = "healthy", scale: float = 0.9) -> FloatArray:
-    """Tabulate hip, knee and ankle over a stride from heel contact: healthy gait, or a CSV file such as a norm.
-
-    Args:
-        reference: "healthy" for :func:`exoid.experiments.healthy_gait`, or a CSV file with columns ``phase`` (0 to 1),
-            ``hip_deg``, ``knee_deg`` and perhaps ``ankle_deg``, flexion positive.
-        scale: Factor of the amplitudes about the mean.
-
-    Returns:
-        Flexion at :data:`PHASE` [rad], (K, 3).
-
-    Raises:
-        ExoidError: There is no such file, or a column is missing.
-    """
+def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArray:
+    """Tabulate hip, knee and ankle over a stride from heel contact, flexion at :data:`PHASE` [rad], (K, 3)."""
     whole = PHASE[:-1]
     if reference != "healthy":
         flexion = _csv_stride(Path(reference), scale)
@@ -88,7 +76,8 @@ def walk(
 
     Args:
         body: The wearer.
-        reference: Stride, see :func:`stride_flexion`.
+        reference: "healthy" for :func:`exoid.experiments.healthy_gait`, or a CSV file with columns ``phase`` (0 to 1,
+            from heel contact), ``hip_deg``, ``knee_deg`` and perhaps ``ankle_deg``, flexion positive.
         scale: Factor of the amplitudes about the mean.
         period: Time of a stride [s].
         angle: Angle by which the ground rises forward [rad]. The walk turns with it, and the torso keeps its pitch.
@@ -97,7 +86,7 @@ def walk(
         The function, "walk" or "slope"; phase 0 is the heel contact of the left foot.
 
     Raises:
-        ExoidError: There is no such reference, a leg is too short, or the slope is above 0.3 rad.
+        ExoidError: There is no such file, a column is missing, a leg is too short, or the slope is above 0.3 rad.
     """
     checked(abs(angle), "the angle of a slope [rad]", most=0.3)
     one = stride_flexion(reference, scale)

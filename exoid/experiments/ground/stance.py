@@ -153,7 +153,8 @@ def stance_motion(
                 f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
                 remedy="raise the torso, or swing less",
             )
-    return planned_motion(plant, time, q, base, _bearings(plant, stands, time))
+    bearings = {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in stands}
+    return planned_motion(plant, time, q, base, bearings)
 
 
 def swing(
@@ -203,7 +204,3 @@ def _balance(
         stand_flat(q, legs, base)
         base[:, 0] += target - centre_of_mass(plant, base, q)
     stand_flat(q, legs, base)
-
-
-def _bearings(plant: GroundPlant, legs: Sequence[PlanarLeg], time: FloatArray) -> dict[str, Bearing]:
-    return {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in legs}

@@ -38,7 +38,8 @@ def read_opensim_table(file: str, request: ReadRequest) -> Table:
             remedy="check that the file is complete, and OpenSim's; name other logs .csv",
         )
     entries, degrees = _header_entries([line for _, line in content[:end]])
-    header = _cells(content[end + 1][1])
+    names = content[end + 1][1].strip()  # a tab at the end of the line is no further column
+    header = [name.strip() for name in names.split("\t")] if "\t" in names else names.split()
     refuse_columns(len(header))
     refuse_repeated(header)
     rows = content[end + 2 :]
@@ -46,11 +47,6 @@ def read_opensim_table(file: str, request: ReadRequest) -> Table:
     _refuse_other_size(entries, ROWS, len(rows), "rows follow")
     cells = [(number, "\t".join(line.split())) for number, line in rows]
     return text_table(file, source, header, cells, "\t", in_degrees=degrees)
-
-
-def _cells(line: str) -> list[str]:
-    """Names of the columns; a tab at the end of the line is no further column."""
-    return [name.strip() for name in line.strip().split("\t")] if "\t" in line.strip() else line.split()
 
 
 def _header_entries(lines: Sequence[str]) -> tuple[dict[str, str], bool]:

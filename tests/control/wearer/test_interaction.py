@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from loaded_legs import with_payloads
 from standing import mirrored, standing
 from walking import Walk
 from worn import filtered, log, push, swing, unworn_estimate
@@ -127,7 +128,7 @@ def test_drives_give_the_torque_of_the_actuators(estimate, leg, worn):
 def test_a_stated_payload_is_not_taken_for_a_wearer(leg, estimate):
     motion = swing(leg, 7)
     sand = Payload(leg.joint_names[1], 3.0, (0.0, 0.0, -0.3))
-    loaded = dataclasses.replace(motion, leg=exoid.rig.leg_with_payloads(leg, [sand]))
+    loaded = dataclasses.replace(motion, leg=with_payloads(leg, [sand]))
     recording = log(loaded)
     stated = exoid.interaction(estimate, dataclasses.replace(recording, payloads=(sand,)))
     assert not stated.worn

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from loaded_legs import with_payloads
 from worn import log, push, swing, unworn_estimate
 
 import exoid
@@ -46,7 +47,7 @@ def test_torques_of_the_other_sign(estimate, unworn):
 
 
 def test_an_estimate_that_was_identified_with_a_wearer_inside(leg, unworn):
-    limb = exoid.rig.leg_with_payloads(leg, exoid.rig.sandbags())
+    limb = with_payloads(leg, exoid.rig.sandbags())
     inside = unworn_estimate(limb)
     found = exoid.interaction(inside, unworn)
     assert found.worn

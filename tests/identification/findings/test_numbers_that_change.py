@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from loaded_legs import with_payloads
 from logs import clean, kinds, of_kind, with_column
 from swings import Swing
 
@@ -51,7 +52,7 @@ def test_one_log_of_several_differs_alone():
 
 def test_a_payload_that_is_not_given_is_a_change_of_mass_moments():
     leg, log = clean("cuhk")
-    loaded = exoid.rig.leg_with_payloads(leg, [exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.2))])
+    loaded = with_payloads(leg, [exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.2))])
     other = Swing(loaded, seconds=30.0, seed=2, smoothing=0.015).recording(v=None, a=None)
     changes = [one for one in exoid.check(leg, [log, other]) if one.kind == "change"]
     assert "kg·m" in {one.unit for one in changes}
