@@ -95,7 +95,10 @@ def seeds(folder: Path) -> dict[str, bytes]:
     for kind, plugin in (("mcap", StoragePlugin.MCAP), ("db3", StoragePlugin.SQLITE3)):
         log_writers.write_bag(folder / f"{kind}_bag", {"/joints": log_writers.messages(short)}, plugin=plugin)
         next((folder / f"{kind}_bag").glob(f"*.{kind}")).rename(folder / kind)
-    log_writers.write_mot(folder / "mot", short)
+    columns = log_writers.named_columns(short)
+    angles = {name: np.rad2deg(x) for name, x in columns.items() if name.startswith(("q_", "v_"))}
+    torques = {name: x for name, x in columns.items() if name.startswith("tau_")}
+    log_writers.write_opensim(folder / "mot", columns["time"], angles | torques, degrees=True)
     vectors = {f"ground_force_1_{part}{axis}": 100.0 * short.q[:, 0] for part in "vpm" for axis in "xyz"}
     log_writers.write_opensim(folder / "forces.sto", short.time, vectors)
     log_writers.write_bag1(folder / "bag", log_writers.messages(short))

@@ -106,6 +106,11 @@ def held(seconds: float) -> Callable[[Array, Recording], Array]:
     return change
 
 
+def half_way(after: Callable[[Array], Array]) -> Callable[[Array, Recording], Array]:
+    """Log a signal otherwise in the second half."""
+    return lambda x, _: np.where(np.arange(len(x)) < len(x) // 2, x, after(x))
+
+
 def without_samples(recording: Recording, joint: int) -> Recording:
     """Lose 60 ms where the machine moves fastest, while the stamps run on."""
     lost = max(2, round(0.06 * recording.sample_rate))
@@ -191,12 +196,20 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
         "angle-wrap",
     ),
     "velocity twice as large": (velocity(gain=2.0), "velocity-scale"),
+    "velocity 2 % too large": (velocity(gain=1.02), "velocity-scale"),
+    "encoder slips by 2° half way": (column("q", half_way(lambda x: x + np.deg2rad(2.0))), "change"),
+    "torque sensor is set again half way": (column("tau", half_way(lambda x: x + 0.5 * x.std())), "change"),
+    "scale of a torque grows by 0.1 half way": (column("tau", half_way(lambda x: 1.1 * x)), "change"),
+    "angle off by 10 mrad, four times a turn": (
+        column("q", lambda x, _: x + 0.01 * np.sin(4.0 * x + 0.5)),
+        "angle-ripple",
+    ),
     "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),
 }
 """Mistakes of a log, and the kind of finding that names them."""
 
 OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
-OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint")
+OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint", "change", "angle-ripple")
 """Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 

@@ -71,7 +71,20 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
     offsets = {name for block in model.blocks if isinstance(block.term, Offset) for name in block.names}
     moments = {k for k in free if k < len(model.leg.parameter_names)}
     friction = {k for k in free if k not in moments and model.names[k] not in offsets}
-    columns = [*free, *zeros, *gains]
+    found = [*_changes(state, [*free, *zeros, *gains])]
+    if not found:
+        return None
+    _, gain, best = max(found, key=lambda one: one[0])
+    if best.column in moments:  # a sensor that explains as much is likelier: its zero turns the mass moment
+        as_much = [one for one in found if one[2].column not in moments | friction and one[1] > gain - LARGE_GAIN]
+        best = max(as_much, key=lambda one: one[0])[2] if as_much else best
+    if best.within and best.column in friction:
+        return None
+    return best._replace(sign=-1.0) if best.column in zeros else best  # what an angle reads too much
+
+
+def _changes(state: State, columns: Sequence[int]) -> Iterator[tuple[float, float, Change]]:
+    """Test all changes, each beside the fitted columns: score² / variance, share that it explains, where it is much."""
     blocks, grams = _grams(state, columns)
     fitted = len(state.columns)
     residual = grams[:, :, -1] - grams[:, :, :fitted] @ state.solution  # Xᵀr and Zᵀr of each block
@@ -79,7 +92,6 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
     each = grams[:, :fitted, fitted:-1], np.diagonal(grams, axis1=1, axis2=2)[:, fitted:-1], residual[:, fitted:-1]
     # Xᵀz, zᵀz and zᵀr of all blocks before each
     sums = [np.cumsum(np.insert(x, 0, 0.0, axis=0), axis=0) for x in each]
-    found: list[tuple[float, float, Change]] = []
     for place, first, last in _places(state.evidence, blocks):
         inside = np.zeros(len(blocks))
         inside[first:last] = 1.0
@@ -87,24 +99,15 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
         # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
         share = inverse @ crossed
         information = size - np.sum(share * crossed, axis=0)
-        told = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
-        for k in np.flatnonzero(told).tolist():
+        much = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
+        for k in np.flatnonzero(much).tolist():
             # variance of the score by those of the blocks, less the change
             a, z = share[:, k], inside[:, None] * grams[:, :, fitted + k]
             across = z[:, :fitted] - grams[:, :fitted, :fitted] @ a
             power = z[:, fitted + k] - z[:, :fitted] @ a - across @ a
             of_blocks = inside * residual[:, fitted + k] - residual[:, :fitted] @ a - power * score[k] / information[k]
-            gain, statistic = score[k] ** 2 / (information[k] * rss), score[k] ** 2 / max(of_blocks @ of_blocks, TINY)
-            # what an angle reads too much is the negative of its column
-            change = place._replace(column=columns[k], sign=-1.0 if columns[k] in zeros else 1.0)
-            found.append((float(statistic), float(gain), change))
-    if not found:
-        return None
-    _, gain, best = max(found, key=lambda one: one[0])
-    if best.column in moments:  # a sensor that explains as much is likelier: its zero turns the mass moment
-        as_much = [one for one in found if one[2].column not in moments | friction and one[1] > gain - LARGE_GAIN]
-        best = max(as_much, key=lambda one: one[0])[2] if as_much else best
-    return None if best.within and best.column in friction else best
+            statistic = score[k] ** 2 / max(of_blocks @ of_blocks, TINY)
+            yield float(statistic), float(score[k] ** 2 / (information[k] * rss)), place._replace(column=columns[k])
 
 
 def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]], FloatArray]:
@@ -129,17 +132,14 @@ def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[t
     # another recording is another file, or times that begin anew
     begins = [True, *(name != other or after.time[0] < one.time[-1] for (name, one), (other, after) in both)]
     names = [name or f"recording {number}" for name, number in zip(evidence.sources, np.cumsum(begins), strict=True)]
-    several = sum(begins)
-    count, least = len(blocks), max(1, len(blocks) // 20)
-    for k in range(least, count - least + 1):
-        place, start = blocks[k]
+    several, count, least = sum(begins), len(blocks), max(1, len(blocks) // 20)
+    for block in range(least, count - least + 1):
+        place, start = blocks[block]
         within = start > 0 or not begins[place]
-        time = f"{float(evidence.parts[place].time[start]):.4g} s"
-        when = f"{time} of {names[place]}" if several > 1 else time
-        rows = [slice(0, 0) if other < place else slice(0, None) for other in range(len(begins))]
-        rows[place] = slice(start, None)
-        yield Change(tuple(rows), f"from {when if within else names[place]} on", within), k, count
+        when = f"{float(evidence.parts[place].time[start]):.4g} s{f' of {names[place]}' if several > 1 else ''}"
+        rows = tuple(slice(start * (k == place), 0 if k < place else None) for k in range(len(begins)))
+        yield Change(rows, f"from {when if within else names[place]} on", within), block, count
     edges = np.searchsorted([place for place, _ in blocks], range(len(begins) + 1)).tolist()
     for place, (first, last) in enumerate(pairwise(edges) if several == len(begins) > 2 else ()):
-        alone = tuple(slice(0, None if other == place else 0) for other in range(len(begins)))
+        alone = tuple(slice(0, None if k == place else 0) for k in range(len(begins)))
         yield Change(alone, f"in {names[place]}", within=False), first, last
