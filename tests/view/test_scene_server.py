@@ -130,6 +130,9 @@ def test_connections_that_send_nothing_are_closed(drawn, monkeypatch):
                 assert connection.recv(1) == b""  # closed
             connection.close()
         assert get(served.port).status == 200
+    until = time.monotonic() + 5.0  # threads end a moment after their connections
+    while threading.active_count() > before and time.monotonic() < until:
+        time.sleep(0.01)
     assert threading.active_count() <= before
 
 
