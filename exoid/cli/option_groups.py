@@ -31,7 +31,8 @@ def expand_options(without: Mapping[str, Sequence[str]] = NOTHING) -> Callable[[
     def decorate(verb: Verb) -> Verb:
         hints = get_annotations(verb, eval_str=True)  # get_type_hints of 3.10 changes a default None
         parameters = list(signature(verb).parameters.values())
-        groups = {each.name: hints[each.name] for each in parameters if _is_group(hints[each.name])}
+        kinds = {each.name: hints[each.name] for each in parameters}
+        groups = {name: kind for name, kind in kinds.items() if isinstance(kind, type) and hasattr(kind, "_fields")}
         fields = {
             name: [field for field in group._fields if field not in without.get(name, ())]
             for name, group in groups.items()
@@ -69,10 +70,6 @@ def expand_options(without: Mapping[str, Sequence[str]] = NOTHING) -> Callable[[
         return run
 
     return decorate
-
-
-def _is_group(kind: Any) -> bool:  # noqa: ANN401 - any annotation
-    return isinstance(kind, type) and issubclass(kind, tuple) and hasattr(kind, "_fields")
 
 
 def _fields(group: Any, names: Sequence[str]) -> Iterator[Parameter]:  # noqa: ANN401 - class of a named tuple

@@ -111,6 +111,12 @@ def half_way(after: Callable[[Array], Array]) -> Callable[[Array, Recording], Ar
     return lambda x, _: np.where(np.arange(len(x)) < len(x) // 2, x, after(x))
 
 
+def in_two_logs(recording: Recording, joint: int) -> list[Recording]:
+    """Cut the log in two, and let the second encoder read 2° more."""
+    first, second = recording.slice(0, len(recording) // 2), recording.slice(len(recording) // 2)
+    return [first, column("q", lambda x, _: x + np.deg2rad(2.0))(second, joint)]
+
+
 def without_samples(recording: Recording, joint: int) -> Recording:
     """Lose 60 ms where the machine moves fastest, while the stamps run on."""
     lost = max(2, round(0.06 * recording.sample_rate))
@@ -198,6 +204,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     "velocity twice as large": (velocity(gain=2.0), "velocity-scale"),
     "velocity 2 % too large": (velocity(gain=1.02), "velocity-scale"),
     "encoder slips by 2° half way": (column("q", half_way(lambda x: x + np.deg2rad(2.0))), "change"),
+    "zero set again by 2° between two logs": (in_two_logs, "change"),
     "torque sensor is set again half way": (column("tau", half_way(lambda x: x + 0.5 * x.std())), "change"),
     "scale of a torque grows by 0.1 half way": (column("tau", half_way(lambda x: 1.1 * x)), "change"),
     "angle off by 10 mrad, four times a turn": (

@@ -36,7 +36,7 @@ from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State
 from .search import find_faults, findings_of
-from .timing import missing_samples, wraps
+from .timing import angle_jumps, missing_samples, wraps
 
 
 class Checkup(NamedTuple):
@@ -80,7 +80,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         names.append(source_of(one))
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
-            checks = channel_findings, wraps, missing_samples, late_velocities
+            checks = channel_findings, wraps, angle_jumps, missing_samples, late_velocities
             every = (found_there for look in checks for found_there in look(part))
             for finding in (*every, *(loop_gaps(closure, one) if closure is not None else ())):
                 key = (finding.kind, finding.joint)

@@ -12,6 +12,8 @@ from exoid.estimate.finding import Finding
 from exoid.signals import Recording
 from exoid.signals.cutoff import robust_std
 
+from .channels import quantum
+
 WINDOW = 4  # samples on each side of an interval, through which lines are laid
 
 
@@ -25,6 +27,29 @@ def wraps(recording: Recording) -> Iterator[Finding]:
             message = f"the angle jumps by a whole turn {turns.sum()} times, first at {when:.3f} s"
             remedy = "unwrap it: q = np.unwrap(q, axis=0)"
             yield Finding("angle-wrap", joint, float(turns.sum()), "1", "error", message, remedy)
+
+
+def angle_jumps(recording: Recording) -> Iterator[Finding]:
+    """Find angles that jump and stay there: encoders that slip, or whose zero is set anew."""
+    # Between two samples an angle passes by what it does before and after: stops, impacts and friction keep to that.
+    steps, around = np.diff(recording.q, axis=0), np.ones((2 * WINDOW + 1, 1), dtype=np.bool_)
+    around[WINDOW] = False
+    low, high = (f(steps, footprint=around) for f in (scipy.ndimage.minimum_filter, scipy.ndimage.maximum_filter))
+    beyond = steps - np.clip(steps, low, high)
+    usual = np.quantile(np.abs(beyond), 0.98, axis=0) + (high - low) + [quantum(x) for x in recording.q.T]
+    total = len(around) * scipy.ndimage.uniform_filter1d(beyond, len(around), axis=0)
+    jumps = (np.abs(beyond) > 4.0 * usual) & (np.abs(total) > 0.5 * np.abs(beyond)) & (np.abs(steps) < np.pi)
+    jumps[jumps.sum(axis=1) > 1] = False  # all at once: samples are missing
+    for place, joint in enumerate(recording.joint_names):
+        if (found := np.flatnonzero(jumps[:, place])).size:
+            worst = int(found[np.argmax(np.abs(beyond[found, place]))])
+            size = float(beyond[worst, place])
+            message = (
+                f"the angle jumps {len(found)} times, most by {1e3 * size:.3g} mrad at "
+                f"{recording.time[worst + 1]:.3f} s, and stays there"
+            )
+            remedy = "mend the encoder, and split the log there (Recording.between)"
+            yield Finding("angle-jump", joint, size, "rad", "warning", message, remedy)
 
 
 def missing_samples(recording: Recording) -> Iterator[Finding]:

@@ -60,7 +60,9 @@ def cuhk_cad_parameters() -> dict[str, float]:
     Returns:
         X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2 by name, as of :func:`cuhk_parameters`.
     """
-    design, left, right = (_without_lower_inertia(bleex_parameters(which)) for which in BLEEX_SETS)
+    # the J1 of document 1 contains its J2
+    sets = [bleex_parameters(which) for which in BLEEX_SETS]
+    design, left, right = ({**one, "J1": one["J1"] - one["J2"]} for one in sets)
     found = {name: 0.5 * (left[name] + right[name]) for name in left}
     values = cuhk_parameters()
     for k in "12":
@@ -117,11 +119,6 @@ def cuhk_resistances() -> dict[str, float]:
         "d_knee": "knee_viscous",
     }
     return {name: cuhk().assumptions[source].value for name, source in sources.items()}
-
-
-def _without_lower_inertia(cumulative: dict[str, float]) -> dict[str, float]:
-    """Take J2 out of the J1 of document 1."""
-    return {**cumulative, "J1": cumulative["J1"] - cumulative["J2"]}
 
 
 def _one_of(name: str, known: tuple[str, ...], kind: str) -> None:

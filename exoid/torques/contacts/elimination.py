@@ -63,15 +63,10 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
     if key not in _kept:
         found = _eliminate(leg, links, q, axes)
         _kept[key] = found
-        while sum(_size(each) for each in _kept.values()) > KEPT_BYTES:
+        while sum(part.nbytes for each in _kept.values() for part in each if part is not None) > KEPT_BYTES:
             del _kept[next(iter(_kept))]
         return found
     return _kept[key]
-
-
-def _size(found: Elimination) -> int:
-    """Bytes of an elimination."""
-    return sum(part.nbytes for part in found if part is not None)
 
 
 def _eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None) -> Elimination:

@@ -123,7 +123,7 @@ def to_threejs(visuals: Sequence[Visual], *, shadows: bool = True) -> dict[str, 
             "type": "Mesh",
             "geometry": geometries.setdefault(id(visual.geometry), f"geometry-{len(geometries)}"),
             "material": materials.setdefault(visual.material, f"material-{len(materials)}"),
-            "matrix": _rounded(visual.transform.T.ravel()),
+            "matrix": [float(f"{value:g}") for value in visual.transform.T.ravel()],
             "castShadow": shadows and visual.material.opacity == 1.0,
             "receiveShadow": shadows and visual.material.finish != "flat",
         }
@@ -148,8 +148,3 @@ def _corners(size: Iterable[float]) -> FloatArray:
     x, y, z = size
     signs = np.array([(i, j, k) for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
     return np.asarray(signs * np.array([x, y, z]))
-
-
-def _rounded(values: FloatArray) -> list[float]:
-    """Round to six significant digits."""
-    return [float(f"{value:g}") for value in values]

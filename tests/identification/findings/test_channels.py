@@ -83,6 +83,24 @@ def test_a_velocity_out_of_scale_is_named_and_not_used(gain, severity):
         assert estimate.values == pytest.approx(exoid.identify(leg, log).values, rel=1e-9)
 
 
+def test_an_angle_that_jumps_and_stays_is_named_and_spikes_stops_and_lost_samples_are_not():
+    leg, log = clean("cuhk")
+    later = np.arange(len(log)) > 1234
+
+    def jumps(change):
+        found = exoid.check(leg, with_column(log, "q", 1, change))
+        return [(f.joint, f.value) for f in found if f.kind == "angle-jump"]
+
+    ((joint, value),) = jumps(lambda x: x + 0.03 * later)
+    assert joint == leg.joint_names[1]
+    assert value == pytest.approx(0.03, rel=0.1)
+    assert jumps(lambda x: x + 0.03 * (np.arange(len(x)) == 1234)) == []  # a spike
+    assert jumps(lambda x: np.where(later, 2.0 * x[1234] - x, x)) == []  # an impact turns the motion round
+    kept = np.setdiff1d(np.arange(len(log)), np.arange(1234, 1240))
+    lost = dataclasses.replace(log.slice(0, len(kept)), q=log.q[kept], tau=log.tau[kept])
+    assert "angle-jump" not in kinds(exoid.check(leg, lost))
+
+
 @pytest.mark.parametrize(("lost", "words"), [((300,), "1 gap although"), ((300, 700), "2 gaps although")])
 def test_gaps_are_counted_where_samples_are_missing(lost, words):
     kept = np.setdiff1d(np.arange(1200), [k + j for k in lost for j in range(6)])
