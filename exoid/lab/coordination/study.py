@@ -104,10 +104,7 @@ def coordinate(
     plant, estimate, name = _machine(source, seed)
     report(0.1)
     episodes = run_day(plant, seconds, seed, lambda share: report(0.1 + 0.6 * share))
-    # crutches are measured, feet and seat are not
-    noise = [np.random.default_rng([seed, k, 300]) for k in range(len(episodes))]
-    hand = (plant.root_link,)
-    logs = [one.run.recording(SENSORS, rng, wrenches=hand) for one, rng in zip(episodes, noise, strict=True)]
+    logs = [_log(episode, [seed, k]) for k, episode in enumerate(episodes)]
     filters = [_filter(estimate, episode) for episode in episodes]
     beliefs = [over(told, log) for told, log in zip(filters, logs, strict=True)]
     report(0.8)
@@ -170,6 +167,11 @@ def calibrate(plant: GroundPlant, seed: int = 0) -> Estimate:
     terms = (*TERMS, Stiffness()) if plant.stiffness.any() else TERMS
     found: Estimate = identify(plant.leg, logs, terms, check=False)
     return found
+
+
+def _log(episode: Episode, seed: Sequence[int]) -> Recording:
+    """Log of a day: crutches are measured, feet and seat are not."""
+    return episode.run.recording(SENSORS, np.random.default_rng([*seed, 300]), wrenches=(episode.run.plant.root_link,))
 
 
 def _filter(estimate: Estimate, episode: Episode) -> ContactFilter:
