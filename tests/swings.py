@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from exoid import Coulomb, Leg, Recording, Viscous
 from exoid.signals import Kinematics, ZeroPhase, zero_phase
-from exoid.signals.differentiation import central_difference, second_difference
+from exoid.signals.differentiation import difference
 
 TERMS = (Coulomb(), Viscous())
 """What acts on the joints of every :class:`Swing`."""
@@ -106,4 +106,4 @@ class WithEdges(ZeroPhase):
     def kinematics(self, recording: Recording) -> Kinematics:
         rate = recording.sample_rate
         q = zero_phase(recording.q, rate, self.kinematics_cutoff_at(rate))
-        return Kinematics(q, central_difference(q, rate, 4), second_difference(q, rate, 4), slice(None))
+        return Kinematics(q, difference(q, rate, 1, 4), difference(q, rate, 2, 4), slice(None))

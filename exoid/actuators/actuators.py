@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError, UnreadableInputError, within
 from exoid.leg.leg import Leg
 from exoid.regression.rows import source_of
 from exoid.signals import Poses, Recording, Recordings
-from exoid.signals.differentiation import central_difference, smooth_motion
+from exoid.signals.differentiation import difference, smooth_motion
 from exoid.signals.external import ReadOnlyDict
 from exoid.signals.quantities import PREFIXES
 from exoid.signals.torque_delay import DRIVE_CHANNELS
@@ -263,7 +263,7 @@ class Actuators:
         """Velocity of the joints [rad/s], (N, n); zero if no drive needs it."""
         if recording.v is not None or not any(one.drive.needs_velocity for one in parts):
             return np.zeros_like(recording.q) if recording.v is None else recording.v
-        return central_difference(_smooth(recording.q, recording.sample_rate), recording.sample_rate, 4)
+        return difference(_smooth(recording.q, recording.sample_rate), recording.sample_rate, 1, 4)
 
 
 class _Part(NamedTuple):

@@ -25,7 +25,7 @@ from exoid.torques.with_columns import WithColumns
 
 from .evidence import Evidence, Support, freeze
 from .finding import Finding
-from .model_error import ModelError, with_alternatives
+from .model_error import AlternativeFriction, ModelError
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
 from .torque_band import TorqueBand, parameter_variance
@@ -241,10 +241,12 @@ class EstimateData(ParameterTable):
         return torque if motion.payload is None else torque + motion.payload
 
     @property
-    def band_model(self) -> TorqueModel | WithColumns:
-        """Torque model with the columns that the band of a measured torque needs."""
-        error = self.model_error
-        return self.model if error is None else with_alternatives(self.model, self.values, error.speed)
+    def band_model(self) -> WithColumns:
+        """Torque model with the columns that the band of a measured torque needs: friction of other forms."""
+        if self.model_error is None:
+            return WithColumns(self.model, ())
+        rigid = self.values[: len(self.model.leg.parameter_names)]
+        return WithColumns(self.model, (AlternativeFriction(rigid, self.model_error.speed),))
 
     def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
         """Variance of a measured torque about the predicted one: parameters, noise and model error.
@@ -299,10 +301,12 @@ class EstimateData(ParameterTable):
         Returns:
             Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
-        model = self.band_model if measured else self.model
-        spread = self.measured_variance if measured else partial(parameter_variance, self.covariance)
-        motion = model.motion(q, v, a, torso)
-        variance = np.empty((len(motion.q), len(model.row_names)))
+        model, spread = (
+            self.band_model,
+            self.measured_variance if measured else partial(parameter_variance, self.covariance),
+        )
+        motion = model.with_states(self.model.motion(q, v, a, torso))
+        variance = np.empty((len(motion.q), len(self.model.row_names)))
         for start in range(0, len(variance), BLOCK):
             rows = slice(start, start + BLOCK)
             variance[rows] = spread(model.columns(motion.rows(rows)).transpose(2, 1, 0))

@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.regression.least_squares import scaled_inverse, scaled_lstsq
 from exoid.signals import Recording, ZeroPhase
-from exoid.signals.differentiation import central_difference
+from exoid.signals.differentiation import difference
 
 from .finding import Finding, Severity
 
@@ -32,8 +32,8 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
     if len(even) <= 2 * edge + 20 or even.v is None:
         return
     q, logged = low_pass.filter(even.q, rate), low_pass.filter(even.v, rate)
-    v = central_difference(q, rate, 4)
-    a = central_difference(v, rate, 4)
+    v = difference(q, rate, 1, 4)
+    a = difference(v, rate, 1, 4)
     inner = slice(edge, len(q) - edge)
     for k, joint in enumerate(even.joint_names):
         rows = np.column_stack([v[inner, k], a[inner, k], np.ones(len(q) - 2 * edge)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,9 +10,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.torques import Motion, Presliding, TorqueModel
+from exoid.torques import Motion, Presliding
 from exoid.torques.terms import SMOOTHING
-from exoid.torques.with_columns import WithColumns
 
 LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
 STRIBECK = (0.1, 0.3)  # Stribeck velocities, as parts of the largest speed of the training
@@ -58,24 +56,14 @@ class AlternativeFriction:
         if motion.payload is not None:
             load += motion.payload.T
         for j, of_joint in enumerate(np.moveaxis(out, 1, 0)):
-            for column, filled in zip(of_joint, self._of_joint(motion, j, load[j]), strict=True):
-                column[:] = filled
-
-    def _of_joint(self, motion: Motion, j: int, load: FloatArray) -> Iterator[FloatArray]:
-        """Alternatives at one joint, (N,) each."""
-        for length in LENGTHS:
-            yield motion.states[j, Presliding(length)]
-        v = motion.v[:, j]
-        sign = np.tanh(v / SMOOTHING)
-        for part in STRIBECK:
-            yield sign * np.exp(-((v / (part * max(self.speed[j], SMOOTHING))) ** 2))
-        yield v * np.abs(v)
-        yield sign * np.abs(load)
-
-
-def with_alternatives(model: TorqueModel, values: FloatArray, speed: FloatArray) -> WithColumns:
-    """Add columns of friction of other forms to a torque model."""
-    return WithColumns(model, (AlternativeFriction(values[: len(model.leg.parameter_names)], speed),))
+            v = motion.v[:, j]
+            sign, slow = np.tanh(v / SMOOTHING), max(self.speed[j], SMOOTHING)
+            of_joint[:] = (
+                *(motion.states[j, Presliding(length)] for length in LENGTHS),
+                *(sign * np.exp(-((v / (part * slow)) ** 2)) for part in STRIBECK),
+                v * np.abs(v),
+                sign * np.abs(load[j]),
+            )
 
 
 @dataclass(frozen=True, eq=False)

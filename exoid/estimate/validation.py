@@ -246,7 +246,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     if stands(estimate, recording):
         compared, ranges = compare_on_ground(estimate, recording, preparation, bandwidth), None
     else:
-        compared, ranges = _compare(estimate, recording, preparation, bandwidth)
+        compared, ranges = _compare(estimate, chosen_joints, preparation, bandwidth)
     time, measured, predicted, variance, known = compared
     half = half_width(LEVEL, estimate.dof) * np.sqrt(variance)
     name = source_of(recording)
@@ -268,7 +268,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         found += narrow_bands(estimate, coverage, independent)
         found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage)
     found += unmeasured_torques(estimate, chosen_joints.measured)
-    passive = chosen_joints.measured & ~chosen_joints.driven
+    passive = np.isin(chosen_joints.joint_names, chosen_joints.passive)
     found += wide_bands(estimate, _over_spread(np.sqrt(_mean(half**2)), measured - wrench), alone.coverage)
     found += poor_predictions(estimate, alone.leg_nrmse, growth, passive)
     return replace(alone, findings=ordered([replace(one, recording=name) for one in found]))
@@ -279,12 +279,13 @@ def _compare(
 ) -> tuple[Compared, MotionRanges]:
     """Predict the torques of a recording block by block, and measure its motion."""
     model, count = estimate.band_model, len(estimate.values)
-    prepared, data = prepare(model, recording, preparation, every=True), for_leg(model, recording)
+    prepared = prepare(estimate.model, recording, preparation, every=True)
+    prepared = prepared._replace(motion=model.with_states(prepared.motion))
     parts = []
     for rows in each_row(model, prepared):
         known = np.zeros_like(rows.tau) if rows.known is None else rows.known
         variance = estimate.measured_variance(rows.W, bandwidth)
-        variance = variance + wrench_variance(estimate, data, preparation, rows.q)
+        variance = variance + wrench_variance(estimate, recording, preparation, rows.q)
         parts.append((rows.time, rows.tau + known, rows.W[..., :count] @ estimate.values + known, variance, known))
     used = prepared.inside
     ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])

@@ -120,7 +120,8 @@ class Group:
             assert self.preparation is not None
             self._prepared[index] = prepare(self.model, self.data[index], self.preparation)
         prepared = self._prepared[index]
-        count, step = len(prepared.rows), decimation(prepared.independent_fraction)
+        count = len(prepared.rows)
+        step = decimation(prepared.independent_fraction, count).step
         size = 8 * count * prepared.tau.shape[1] * len(self.model.names)
         kept = [*itertools.chain(*self._whole.values()), *(few for few in self._few.values() if isinstance(few, Rows))]
         room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for rows in kept)

@@ -125,20 +125,17 @@ class Problem:
 
     def blocks(self) -> Iterator[RowBlock]:
         """Go over all rows, group by group; columns are those of the group's own model."""
-        for group, index, first in self._every_recording():
-            for rows in group.rows_of(index):
-                yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
+        for first, group in zip(self.starts[0].tolist(), self.groups, strict=False):
+            for index in range(len(group.data)):
+                for rows in group.rows_of(index):
+                    yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
 
     def recordings(self) -> Iterator[RowBlock]:
         """Go over the recordings, group by group: the decimated rows of each."""
-        for group, index, first in self._every_recording():
-            rows = group.decimated(index)
-            yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
-
-    def _every_recording(self) -> Iterator[tuple[Group, int, int]]:
-        """Group and index of each recording, and the first joint of the group."""
         for first, group in zip(self.starts[0].tolist(), self.groups, strict=False):
-            yield from ((group, index, first) for index in range(len(group.data)))
+            for index in range(len(group.data)):
+                rows = group.decimated(index)
+                yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
 
     def widened(self, r_factor: RFactor, group: int) -> RFactor:
         """Put the columns of an R factor of one group where its parameters stand."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from exoid.signals import Poses, Preparation, Recording
 
-from .model import RegressorModel
+from .model import ColumnModel, RegressorModel
 from .row_data import Rows
 from .rows import OF_SAMPLES, Prepared, chain, form_rows, prepare
 
@@ -18,7 +18,7 @@ def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Prepa
     return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
 
 
-def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
+def each_row(model: ColumnModel, prepared: Prepared) -> Iterator[Rows]:
     """Make a row of each sample of a recording that counts, or of poses, stretch by stretch."""
     # Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here
     # they are divided by what the filter makes of ones in all segments. Rows are then weighted means of the

@@ -46,7 +46,26 @@ class MotionSamples(Protocol):
         """Some of the samples."""
 
 
-class RegressorModel(Protocol):
+class ColumnModel(Protocol):
+    """What rows are formed with: columns of parameters, perhaps with others behind them."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters, in the order of the columns, (P,)."""
+
+    @property
+    def row_joints(self) -> tuple[int, ...]:
+        """Joint of each row, (n,); −1 for a row of no joint."""
+
+    @property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which parameters can act on which joint, (n, P)."""
+
+    def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as a torque model's `motion` returns it
+        """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
+
+
+class RegressorModel(ColumnModel, Protocol):
     """τ = W(q, v, a) β: the part of :class:`exoid.torques.TorqueModel` that a regression needs."""
 
     @property
@@ -58,30 +77,11 @@ class RegressorModel(Protocol):
         """What parameters call the joints, (n,)."""
 
     @property
-    def row_names(self) -> tuple[str, ...]:
-        """Rows of the equation, (n,): the joints, unless forces on the base or on the ground are among the rows."""
-
-    @property
-    def row_joints(self) -> tuple[int, ...]:
-        """Joint of each row, (n,); −1 for a row of no joint."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Parameters, in the order of the columns, (P,)."""
-
-    @property
     def regrouped(self) -> Sequence[Regrouping]:
         """Parameters that are part of others."""
 
-    @property
-    def acting(self) -> NDArray[np.bool_]:
-        """Which parameters can act on which joint, (n, P)."""
-
     def motion(self, *samples: Any, **beside: Any) -> Any:  # noqa: ANN401 - arrays of any kind
         """Gather q, v, a, motion of the base, payloads and joints with a drive, for the columns."""
-
-    def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as :meth:`motion` returns it
-        """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
 
     def regressor(self, *samples: Any, **beside: Any) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""

@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
 from .problem import RowSource
-from .row_data import NoiseKind, RowBlock
+from .row_data import NoiseKind
 
 
 class Series(NamedTuple):
@@ -50,23 +50,20 @@ class Uncertainty(NamedTuple):
     noises: Noises  # noise of the rows of each kind and joint
 
 
-def series(rows: RowSource, point: Point) -> Iterator[list[Series]]:
-    """Go over the recordings: rows of each joint, decimated to the pace of independent noise."""
-    for block in rows.recordings():
-        yield [_weighted(rows, point, block, own) for own in range(block.rows.tau.shape[1])]
-
-
-def _weighted(source: RowSource, point: Point, block: RowBlock, own: int) -> Series:
-    """Weigh the rows of one joint of a recording."""
-    kind, rows, joint = block.kind, block.rows, block.first + own
-    usable, columns = rows.usable[:, own].astype(np.float64), source.columns[joint]
-    counted = point.weights[source.weight_index(kind, joint)] * usable
-    X = rows.W[:, own].T[rows.acting[own]]
-    X *= counted
-    residual = rows.tau[:, own] * counted - point.values[columns] @ X
-    if np.isfinite(point.clip):
-        residual = np.clip(residual, -point.clip, point.clip)
-    return Series(kind, joint, columns, X, residual, usable, rows.stands_for)
+def series(source: RowSource, point: Point) -> Iterator[list[Series]]:
+    """Go over the recordings: weighted rows of each joint, decimated to the pace of independent noise."""
+    for kind, rows, first in source.recordings():
+        parts = []
+        for own, joint in enumerate(range(first, first + rows.tau.shape[1])):
+            usable, columns = rows.usable[:, own].astype(np.float64), source.columns[joint]
+            counted = point.weights[source.weight_index(kind, joint)] * usable
+            X = rows.W[:, own].T[rows.acting[own]]
+            X *= counted
+            residual = rows.tau[:, own] * counted - point.values[columns] @ X
+            if np.isfinite(point.clip):
+                residual = np.clip(residual, -point.clip, point.clip)
+            parts.append(Series(kind, joint, columns, X, residual, usable, rows.stands_for))
+        yield parts
 
 
 def fit_noise(

@@ -15,7 +15,7 @@ from exoid.signals import ParallelFilter, Poses, Preparation, Recording
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
 
-from .model import MotionSamples, RegressorModel
+from .model import ColumnModel, MotionSamples, RegressorModel
 from .row_data import Rows, TakenOut
 
 BLOCK = 16384
@@ -162,7 +162,7 @@ def _without_torque(recording: Recording) -> ExoidError:
     return UnreadableInputError(what, where=where, remedy=remedy, command=command)
 
 
-def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:
+def form_rows(model: ColumnModel, prepared: Prepared, stretch: range) -> Rows:
     """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter."""
     # Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as
     # if those of the whole recording had been filtered. Samples that do not count are zero on both sides of τ =
@@ -251,19 +251,20 @@ def _distinct(signals: Sequence[FloatArray]) -> tuple[list[FloatArray], list[int
     return kept, twins
 
 
-def decimation(independent_fraction: float) -> int:
-    """Of how many rows one is enough, m = ⌊1 / independent_fraction⌋."""
-    return max(1, int(1.0 / independent_fraction))
+def decimation(independent_fraction: float, count: int) -> slice:
+    """Rows of so many that are kept: of m = ⌊1 / independent_fraction⌋ one, which stands for the rows around it."""
+    step = max(1, int(1.0 / independent_fraction))
+    return slice((count - 1 - (max(1, round(count / step)) - 1) * step) // 2, None, step)
 
 
 def decimate(rows: Rows, before: int, count: int) -> Rows:
     """Keep every m-th row, see :func:`decimation`."""
     # Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
     # simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
-    step = decimation(rows.independent_fraction)
+    every = decimation(rows.independent_fraction, count)
+    first, step = every.start, every.step
     if step == 1:
         return rows
-    first = _first_kept(count, step)
     kept = slice((first - before) % step, None, step)
     fraction, stands_for = min(1.0, rows.independent_fraction * step), count / len(range(first, count, step))
     arrays: dict[str, Any] = {name: getattr(rows, name)[kept].copy(order="K") for name in OF_SAMPLES}
@@ -272,18 +273,9 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
 
 def decimated(prepared: Prepared) -> Prepared:
     """Ask only for every m-th row of a recording, see :func:`decimate`, before any is formed."""
-    count, step = len(prepared.rows), decimation(prepared.independent_fraction)
-    if step == 1:
-        return prepared
-    first = _first_kept(count, step)
-    return prepared._replace(
-        rows=prepared.rows[first::step], independent_fraction=min(1.0, prepared.independent_fraction * step)
-    )
-
-
-def _first_kept(count: int, step: int) -> int:
-    """First of the rows that are kept: each stands for the rows around it."""
-    return (count - 1 - (max(1, round(count / step)) - 1) * step) // 2
+    every = decimation(prepared.independent_fraction, len(prepared.rows))
+    fraction = min(1.0, prepared.independent_fraction * every.step)
+    return prepared._replace(rows=prepared.rows[every], independent_fraction=fraction)
 
 
 def chain(stretches: Sequence[Rows]) -> Rows:

@@ -14,7 +14,7 @@ from exoid.leg.reduction.planar import GRAVITY
 
 from . import checks, timebase
 from .base_pose import BasePose, continuous, refuse_unfit_poses, twice_imaginary
-from .differentiation import central_difference, second_difference, smooth_motion
+from .differentiation import difference, smooth_motion
 from .timebase import Sampled
 
 STANDARD_CUTOFF = 10.0
@@ -157,14 +157,14 @@ class BaseMotion(Sampled):
         rate = timebase.sampling_rate(stamps)
         place, h = np.hsplit(smooth_motion(np.hstack([points, continuous(turns)]), rate, cutoff), [3])
         h = h / np.linalg.norm(h, axis=1, keepdims=True)
-        acceleration = second_difference(place, rate, 4)
+        acceleration = difference(place, rate, 2, 4)
         if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > 100.0:  # root mean square [m/s²]
             raise BadArgumentError(
                 "the poses accelerate by more than 100 m/s²", remedy="give positions in m, or a lower cutoff"
             )
         root = scipy.spatial.transform.Rotation.from_quat(h)
         force = root.apply(acceleration - np.array([0.0, 0.0, -GRAVITY]), inverse=True)
-        motion = cls.from_imu(twice_imaginary(h, central_difference(h, rate, 4)), force, position=at)
+        motion = cls.from_imu(twice_imaginary(h, difference(h, rate, 1, 4)), force, position=at)
         # The pose stays as it is: smoothed here, it would hide its noise from the choice of the cut-off
         measured = scipy.spatial.transform.Rotation.from_quat(turns.copy())
         origin = points - measured.apply(motion.position.copy())

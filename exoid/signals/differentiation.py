@@ -13,6 +13,7 @@ from exoid.errors import UnreadableInputError
 
 from .filters.low_pass import TOLERANCE, both_passes, edge_length, pass_sections, refuse_short
 
+Order = Literal[1, 2]
 Accuracy = Literal[2, 4]
 
 
@@ -23,17 +24,16 @@ class Stencil(NamedTuple):
     ends: FloatArray  # one-sided weights of the first w samples for the derivative at the first m samples, (m, w)
 
 
-FIRST: dict[Accuracy, Stencil] = {
-    2: Stencil(np.array([-1, 0, 1]) / 2, np.array([[-3, 4, -1]]) / 2),
-    4: Stencil(np.array([1, -8, 0, 8, -1]) / 12, np.array([[-25, 48, -36, 16, -3], [-3, -10, 18, -6, 1]]) / 12),
-}
-SECOND: dict[Accuracy, Stencil] = {
-    2: Stencil(np.array([1.0, -2.0, 1.0]), np.array([[2.0, -5.0, 4.0, -1.0]])),
-    4: Stencil(
+STENCILS: dict[tuple[Order, Accuracy], Stencil] = {
+    (1, 2): Stencil(np.array([-1, 0, 1]) / 2, np.array([[-3, 4, -1]]) / 2),
+    (1, 4): Stencil(np.array([1, -8, 0, 8, -1]) / 12, np.array([[-25, 48, -36, 16, -3], [-3, -10, 18, -6, 1]]) / 12),
+    (2, 2): Stencil(np.array([1.0, -2.0, 1.0]), np.array([[2.0, -5.0, 4.0, -1.0]])),
+    (2, 4): Stencil(
         np.array([-1, 16, -30, 16, -1]) / 12,
         np.array([[45, -154, 214, -156, 61, -10], [10, -15, -4, 14, -6, 1]]) / 12,
     ),
 }
+"""Weights for the first and the second derivative, with an error of O(dt²) or O(dt⁴)."""
 
 
 class Kinematics(NamedTuple):
@@ -117,33 +117,21 @@ def _continuation(window: int, length: int) -> FloatArray:
     return weights
 
 
-def central_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:
-    """Compute the first derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
-    # ẋ_k = (x_{k+1} − x_{k−1})·rate/2 + O(dt²), or over five points + O(dt⁴). On a sine of ω the relative error is
-    # (ω dt)²/6 or (ω dt)⁴/30.
-    return rate * _apply(FIRST[accuracy], x)
-
-
-def second_difference(x: FloatArray, rate: float, accuracy: Accuracy = 2) -> FloatArray:
-    """Compute the second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
-    # ẍ_k = (x_{k+1} − 2 x_k + x_{k−1})·rate² + O(dt²), or over five points + O(dt⁴). On a sine of ω the relative error
-    # is (ω dt)²/12 or (ω dt)⁴/90.
-    return rate**2 * _apply(SECOND[accuracy], x)
-
-
-def _apply(stencil: Stencil, x: FloatArray) -> FloatArray:
-    """Apply a stencil to each sample; the weights at the far end are those of the near end reversed."""
+def difference(x: FloatArray, rate: float, order: Order, accuracy: Accuracy = 2) -> FloatArray:
+    """Compute the first or second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
+    # On a sine of ω the relative error of the first derivative is (ω dt)²/6, or (ω dt)⁴/30 over five points; that of
+    # the second is (ω dt)²/12, or (ω dt)⁴/90. The weights at the far end are those of the near end reversed.
+    stencil, samples = STENCILS[order, accuracy], len(x)
     margin, width = len(stencil.ends), stencil.ends.shape[1]
-    samples = len(x)
     if samples < max(width, 2 * margin + 1):
         raise UnreadableInputError(
             f"{samples} samples are too few for a difference over {width}", remedy="record longer"
         )
     signals = x.reshape(samples, -1).T
     out = np.empty(signals.shape)
-    parity = 1.0 if stencil.centre[0] == stencil.centre[-1] else -1.0
+    parity = 1.0 if order == 2 else -1.0
     for signal, derived in zip(signals, out, strict=True):
         derived[margin : samples - margin] = np.correlate(signal, stencil.centre, "valid")
         derived[:margin] = stencil.ends @ signal[:width]
         derived[samples - margin :] = parity * (stencil.ends @ signal[: -width - 1 : -1])[::-1]
-    return out.T.reshape(x.shape)
+    return np.asarray(rate**order * out.T.reshape(x.shape))

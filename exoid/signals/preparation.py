@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError, nearest
 from exoid.tools.json_values import record
 
-from .differentiation import Accuracy, Kinematics, central_difference, motion_edge, second_difference, smooth_motion
+from .differentiation import Accuracy, Kinematics, difference, motion_edge, smooth_motion
 from .filters.low_pass import TOLERANCE, design_frequency, zero_phase
 from .filters.parallel import ParallelFilter
 from .recording import Recording
@@ -117,8 +117,8 @@ def derive(
     # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the
     # DFKI double pendulum, a delay of 1 ms costs more accuracy than the noise of a second difference.
     rate, q = recording.sample_rate, smooth(recording.q)
-    v = central_difference(q, rate, accuracy) if recording.v is None else smooth(recording.v)
-    a = second_difference(q, rate, accuracy) if recording.a is None else smooth(recording.a)
+    v = difference(q, rate, 1, accuracy) if recording.v is None else smooth(recording.v)
+    a = difference(q, rate, 2, accuracy) if recording.a is None else smooth(recording.a)
     return Kinematics(q, v, a, slice(head, samples - tail))
 
 

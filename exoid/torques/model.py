@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.closure import Closure
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import without_side
 from exoid.leg.model import joint_axis
@@ -128,11 +129,13 @@ class TorqueModel:
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which row, (n, P) or (b + n, P); columns are zero elsewhere."""
-        rigid, base_rows = self.leg.parameter_names, self.leg.base_rows
+        base_rows = self.leg.base_rows
         acting = np.zeros((len(self.row_names), len(self.names)), dtype=np.bool_)
         base = None if self.leg.base == "fixed" else random_base(10)
         q, v, a = random_motion(10, len(self.joint_names), self.leg.closure)
-        acting[:, : len(rigid)] = self.leg.regressor(q, v, a, base).any(axis=0)
+        rigid = np.zeros((len(self.leg.parameter_names), len(acting), len(q)))
+        self.leg.fill_regressor(q, v, a, rigid, base)
+        acting[:, : len(rigid)] = rigid.any(axis=2).T
         for block in self.blocks:
             places = [self.names.index(name) for name in block.names if name in self.names]
             acting[np.ix_([base_rows + joint for joint in block.joints], places)] = True
@@ -312,16 +315,16 @@ class TorqueModel:
         Raises:
             ExoidError: A joint that follows from a closed loop, and is passive, has a torque.
         """
-        self._refuse_other_torques(recording)
+        if self.leg.closure is not None:
+            self._refuse_dependent_torques(recording, self.leg.closure)
         found = recording if recording.joint_names == joints else recording.select(joints)
         if isinstance(found, Poses) or all(wrench.axes == "link" for wrench in found.wrenches.values()):
             return found
         return replace(found, wrenches=wrenches_on_links(self.leg, found))
 
-    def _refuse_other_torques(self, recording: Recording | Poses) -> None:
+    def _refuse_dependent_torques(self, recording: Recording | Poses, closure: Closure) -> None:
         """Refuse torques of the joints that follow from closed loops: these are passive."""
-        closure = self.leg.closure
-        if closure is None or recording.tau is None:
+        if recording.tau is None:
             return
         names = self.leg.tree_joint_names
         for j in closure.dependent.tolist():

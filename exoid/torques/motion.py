@@ -100,11 +100,6 @@ class LoadedMotion(NamedTuple):
     payload: FloatArray  # torques of payloads less those of measured wrenches [N·m], part of `load`
     states: Mapping[tuple[int, Presliding], FloatArray]  # internal states, (N,) each
 
-    def at(self, joint: int, state: Presliding | None) -> JointMotion:
-        """Motion of one joint, with the internal state of a term."""
-        found = None if state is None else self.states[joint, state]
-        return JointMotion(self.q[joint], self.v[joint], self.a[joint], self.load[joint], found)
-
 
 def random_motion(samples: int, joints: int, closure: Closure | None = None) -> FloatArray:
     """Draw independent normal angles, at which loops close, velocities and accelerations, always the same."""

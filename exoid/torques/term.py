@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,8 @@ class Term(ABC):
 
     Attributes:
         joints: Names (or labels) of the joints it acts on; None for all.
+        friction: Whether it is friction, which dissipates energy; figures show it over velocity.
+        loaded: Whether it depends on the rigid-body torque of its joint, which makes the model nonlinear.
 
     Example:
         >>> class Quadratic(Term):
@@ -50,6 +52,8 @@ class Term(ABC):
     """
 
     joints: tuple[str, ...] | None = None
+    friction: ClassVar[bool] = False
+    loaded: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -65,16 +69,6 @@ class Term(ABC):
     def nonnegative(self) -> tuple[str, ...]:
         """Symbols of the parameters that cannot be negative in nature."""
         return ()
-
-    @property
-    def friction(self) -> bool:
-        """Whether it is friction, which dissipates energy; figures show it over velocity."""
-        return False
-
-    @property
-    def loaded(self) -> bool:
-        """Whether it depends on the rigid-body torque of its joint, which makes the model nonlinear."""
-        return False
 
     @property
     def internal_state(self) -> Presliding | None:
@@ -149,7 +143,9 @@ class Term(ABC):
             joints: Indices of the joints that the parameters act on, m of them.
             out: Receives the columns, zeroed, (number of symbols, m, N).
         """
-        self.fill(motion.at(joints[0], self.internal_state), out[:, 0])
+        (j,), kind = joints, self.internal_state
+        state = None if kind is None else motion.states[j, kind]
+        self.fill(JointMotion(motion.q[j], motion.v[j], motion.a[j], motion.load[j], state), out[:, 0])
 
     def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
         """Find the joints it acts on among those of a leg.

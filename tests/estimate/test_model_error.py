@@ -9,7 +9,7 @@ from swings import Swing
 import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Viscous
 from exoid.estimate.file import estimate_from_json
-from exoid.estimate.model_error import COUNT, with_alternatives
+from exoid.estimate.model_error import COUNT
 from exoid.torques import Presliding
 
 SMOOTH = (Coulomb(), Viscous(), Armature(), Offset())
@@ -108,11 +108,15 @@ def test_friction_of_the_form_of_the_terms_leaves_the_band_as_it_is_at_twice_the
     assert (new.coverage > 0.9).all()
 
 
+def band_rows(estimate, *motion):
+    model = estimate.band_model
+    return model.columns(model.with_states(estimate.model.motion(*motion))).transpose(2, 1, 0)
+
+
 def test_the_model_error_grows_beyond_the_training(leg, estimates):
     error, estimate = estimates["stribeck"].model_error, estimates["stribeck"]
     slow, fast = (Swing(leg, seconds=20.0, base=base).motion for base in (SLOW, 2.5 * SLOW))
-    model = with_alternatives(estimate.model, estimate.values, error.speed)
-    inside, outside = (error.variance(model.regressor(*motion)).mean(axis=0) for motion in (slow, fast))
+    inside, outside = (error.variance(band_rows(estimate, *motion)).mean(axis=0) for motion in (slow, fast))
     assert (outside > 3.0 * inside).all()
     assert (inside < 2.0 * estimate.residual_rms**2).all()
 
@@ -120,8 +124,7 @@ def test_the_model_error_grows_beyond_the_training(leg, estimates):
 def test_alternatives_are_columns_of_each_joint_alone(leg, estimates):
     q, v, a = Swing(leg, seconds=5.0).motion
     estimate = estimates["coulomb"]
-    model = with_alternatives(estimate.model, estimate.values, estimate.model_error.speed)
-    rows = model.regressor(q, v, a)
+    rows = band_rows(estimate, q, v, a)
     count = len(estimate.values)
     np.testing.assert_array_equal(rows[..., :count], estimate.model.regressor(q, v, a))
     np.testing.assert_array_equal(rows[:, 1, count], Presliding(3e-3).states(q[:, 1], v[:, 1]))

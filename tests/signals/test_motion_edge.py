@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exoid.signals import motion_edge
-from exoid.signals.differentiation import central_difference, second_difference, smooth_motion
+from exoid.signals.differentiation import difference, smooth_motion
 from exoid.signals.filters.low_pass import edge_length
 
 RATES = (4.0, 5.0, 6.0, 10.0, 31.25, 100.0)
@@ -20,7 +20,7 @@ def error_of_acceleration(rate, cutoff, frequencies):
     samples = max(60, round(16 * rate / cutoff))
     angles = 2.0 * np.pi * np.outer(np.arange(samples) / rate, frequencies)
     waves = np.hstack([np.cos(angles), np.sin(angles)])
-    found = second_difference(smooth_motion(waves, rate, cutoff), rate, 4)
+    found = difference(smooth_motion(waves, rate, cutoff), rate, 2, 4)
     real, imaginary = np.hsplit(found, 2)
     wave = np.exp(1j * angles)
     gain = (real + 1j * imaginary)[samples // 2] / wave[samples // 2]
@@ -42,8 +42,8 @@ def test_noise_of_the_acceleration_is_not_much_more_beyond_the_edge_than_far_ins
     smoothed = smooth_motion(np.eye(samples), 10.0 * rate, 10.0)
     for derived in (
         smoothed,
-        central_difference(smoothed, 10.0 * rate, 4),
-        second_difference(smoothed, 10.0 * rate, 4),
+        difference(smoothed, 10.0 * rate, 1, 4),
+        difference(smoothed, 10.0 * rate, 2, 4),
     ):
         size = np.linalg.norm(derived, axis=1) / np.linalg.norm(derived[samples // 2])
         edge = motion_edge(10.0 * rate, 10.0)
@@ -69,8 +69,8 @@ def test_random_motions_that_begin_anywhere_keep_the_bound(seed, seconds, cutoff
     beyond = edge_length(rate, kinematics_cutoff, tolerance=1e-12)
     longer = np.arange(-beyond, len(t) + beyond) / rate
     inside = slice(beyond, beyond + len(t))
-    full = second_difference(smooth_motion(motion(longer)[:, None], rate, kinematics_cutoff), rate, 4)[inside]
-    found = second_difference(smooth_motion(motion(t)[:, None], rate, kinematics_cutoff), rate, 4)
+    full = difference(smooth_motion(motion(longer)[:, None], rate, kinematics_cutoff), rate, 2, 4)[inside]
+    found = difference(smooth_motion(motion(t)[:, None], rate, kinematics_cutoff), rate, 2, 4)
     size = float(amplitude @ (2.0 * np.pi * frequencies) ** 2)
     assert np.abs(found - full)[edge:-edge].max() < 2.0 * BOUND[1 / 4] * size  # both ends at once
 

@@ -18,7 +18,7 @@ from exoid.signals import (
     settled,
     zero_phase,
 )
-from exoid.signals.differentiation import central_difference, second_difference, smooth_motion
+from exoid.signals.differentiation import difference, smooth_motion
 
 N = 60
 TIME = np.arange(N) / 50.0
@@ -187,8 +187,8 @@ UNREADABLE = {
     "unit of time for angle": (lambda: Column("c", unit="ms").read("q_hip", TIME), ""),
     "short for its filter": (lambda: zero_phase(ZERO[:9], 50.0, 1.0), ""),
     "short for its continuation": (lambda: smooth_motion(ZERO[:39], 200.0, 10.0), ""),
-    "short for a difference": (lambda: central_difference(ZERO[:2], 50.0), ""),
-    "short for a second one": (lambda: second_difference(ZERO[:5], 50.0, 4), ""),
+    "short for a difference": (lambda: difference(ZERO[:2], 50.0, 1), ""),
+    "short for a second one": (lambda: difference(ZERO[:5], 50.0, 2, 4), ""),
     "only edges": (lambda: MovingAverage(0.01).kinematics(recording()), ""),
 }
 """What is refused, and the column that the error names."""

@@ -14,7 +14,7 @@ from exoid.control.model import ControlModel
 from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
 from exoid.tools.numbers import checked
-from exoid.torques import Motion, Presliding, TorqueModel
+from exoid.torques import Motion, Presliding
 from exoid.torques.terms import SMOOTHING
 from exoid.torques.with_columns import WithColumns
 
@@ -103,11 +103,12 @@ class MomentumModel:
         return np.asarray(self.stiction * level * (1.0 - np.tanh(v / self.width) ** 2))
 
     @cached_property
-    def _band_model(self) -> tuple[TorqueModel | WithColumns, list[tuple[int, Presliding]]]:
+    def _band_model(self) -> tuple[WithColumns, list[tuple[int, Presliding]]]:
         """Model with the columns of a band, and joint and kind of each internal state."""
         assert self.estimate is not None
         model, nothing = self.estimate.band_model, np.zeros((2, self.model.n))
-        return model, list(model.motion(nothing, nothing, nothing).states)
+        still = self.estimate.model.motion(nothing, nothing, nothing)
+        return model, list(model.with_states(still).states)
 
     @cached_property
     def _rotors(self) -> FloatArray:

@@ -104,7 +104,7 @@ def fill_regressor(
 ) -> None:
     """Write the documented regressor for (X1, Y1, J1, X2, …) of every sample, and forces on the hip for X and Y."""
     signs, offsets = chain.signs.tolist(), [complex(*offset) for offset in chain.offsets]
-    reserve = np.empty((4 + chain.n, min(BLOCK, len(q))), dtype=np.complex128)  # once: fresh memory costs time
+    reserve = np.empty((4 + len(signs), min(BLOCK, len(q))), dtype=np.complex128)  # once: fresh memory costs time
     for start in range(0, len(q), BLOCK):
         rows = slice(start, start + BLOCK)
         part, still = out[..., rows], np.zeros((3, len(q[rows])))
@@ -130,7 +130,7 @@ def fill_regressor(
                 J[k] = sign * a[rows, j] if cumulative else acceleration
             if force is not None:  # i h e^{iφ}(φ̈ + i φ̇²) of the mass moment h = Y − i X
                 force[3 * j, :, rows], force[3 * j + 1, :, rows] = (turn.real, turn.imag), (-turn.imag, turn.real)
-            if j + 1 < chain.n:
+            if j + 1 < len(signs):
                 np.conjugate(np.multiply(direction, offsets[j], out=direction), out=levers[j])
                 origin += np.conjugate(np.multiply(turn, offsets[j], out=turn), out=turn)  # i d e^{iφ}(φ̈ + i φ̇²)
         for joint in np.flatnonzero(chain.signs < 0.0):

@@ -61,11 +61,12 @@ class ParallelFilter:
             Filtered signals at these samples, (K, R).
         """
         blocks = _blocks(self, rows.step)
+        size = len(blocks.products)
         begin, end = max(0, rows[0] - self.reach), min(len(signals[0]), rows[-1] + 1 + self.reach)
-        lead = -(-(rows[0] - begin) // blocks.size)  # the first row begins a block
-        wanted, behind = -(-len(rows) * rows.step // blocks.size), -(-(end - rows[0]) // blocks.size)
-        padded = np.zeros((lead + max(wanted, behind), blocks.size))
-        place = lead * blocks.size - rows[0]
+        lead = -(-(rows[0] - begin) // size)  # the first row begins a block
+        wanted, behind = -(-len(rows) * rows.step // size), -(-(end - rows[0]) // size)
+        padded = np.zeros((lead + max(wanted, behind), size))
+        place = lead * size - rows[0]
         window = padded.reshape(-1)[place + begin : place + end]
         left_out = None if counted is None or counted[begin:end].all() else ~counted[begin:end]
         products = np.empty((len(padded), len(signals), blocks.products.shape[1]))
@@ -89,11 +90,6 @@ class _Blocks(NamedTuple):
     products: FloatArray
     states: FloatArray  # what states add to the rows of a block, (4 m, M)
     decay: ComplexArray  # factor of a state from block to block, (m,)
-
-    @property
-    def size(self) -> int:
-        """Samples of a block."""
-        return len(self.products)
 
     def joined(self, products: FloatArray) -> FloatArray:
         """Add what comes from other blocks."""
