@@ -301,10 +301,8 @@ class EstimateData(ParameterTable):
         Returns:
             Torque with the lower and upper edge of its band [N·m], (N, n) each.
         """
-        model, spread = (
-            self.band_model,
-            self.measured_variance if measured else partial(parameter_variance, self.covariance),
-        )
+        model = self.band_model
+        spread = self.measured_variance if measured else partial(parameter_variance, self.covariance)
         motion = model.with_states(self.model.motion(q, v, a, torso))
         variance = np.empty((len(motion.q), len(self.model.row_names)))
         for start in range(0, len(variance), BLOCK):
