@@ -116,35 +116,28 @@ class Tracking(ReadOnly):
 
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
-        columns = [self.peak_deg, self.rms_deg, self.rms_torque, self.energy, self.torque_variation]
-        headers = ["joint", "peak error [deg]", "rms [deg]", "rms torque [N·m]", "energy [J]", "variation [N·m/s]"]
-        if self.interaction is not None:
-            columns.append(self.rms_interaction)
-            headers.append("rms of wearer [N·m]")
-        values = zip(*columns, strict=True)
-        rows = [(name, *(f"{x:.3g}" for x in each)) for name, each in zip(self.joint_names, values, strict=True)]
-        span = f"{self.settle:g} to {self.time[-1]:g} s"
-        return to_text(DataTable(f"{self.law} at {self.rate:g} Hz, {span}", headers, rows))
+        return to_text(tracking_table(f"from {self.settle:g} to {self.time[-1]:g} s", (self,)))
 
 
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
-    """Make a table of several controllers."""
-    rows = [
-        (
-            one.law if joint == 0 else "",
-            f"{one.rate:g}" if joint == 0 else "",
-            name.removeprefix("left_").removeprefix("right_"),
-            f"{one.peak_deg[joint]:.2f}",
-            f"{one.rms_deg[joint]:.2f}",
-            f"{one.rms_torque[joint]:.1f}",
-            f"{one.energy[joint]:.1f}",
-            f"{one.torque_variation[joint]:.1f}",
-        )
-        for one in trackings
-        for joint, name in enumerate(one.joint_names)
-    ]
-    headers = ("controller", "[Hz]", "joint", "peak [deg]", "rms [deg]", "rms [N·m]", "energy [J]", "TV [N·m/s]")
-    return DataTable(caption, headers, rows)
+    """Make a table of several controllers, with the torque of the wearer if they are worn."""
+    runs = tuple(trackings)
+    figures = {
+        "peak [deg]": ("peak_deg", 2),
+        "rms [deg]": ("rms_deg", 2),
+        "rms [N·m]": ("rms_torque", 1),
+        "energy [J]": ("energy", 1),
+        "TV [N·m/s]": ("torque_variation", 1),
+    }
+    if runs and all(one.interaction is not None for one in runs):
+        figures["wearer [N·m]"] = "rms_interaction", 2
+    rows = []
+    for one in runs:
+        columns = [[f"{x:.{digits}f}" for x in getattr(one, name)] for name, digits in figures.values()]
+        joints = [name.removeprefix("left_").removeprefix("right_") for name in one.joint_names]
+        first = [(one.law, f"{one.rate:g}"), *[("", "")] * (len(joints) - 1)]
+        rows += [(*labels, *texts) for labels, *texts in zip(first, joints, *columns, strict=True)]
+    return DataTable(caption, ("controller", "[Hz]", "joint", *figures), rows)
 
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:

@@ -170,9 +170,10 @@ def _ratio(value: float, of_leg: float = 0.0) -> str:
 
 
 def _over_spread(size: FloatArray, torque: FloatArray) -> FloatArray:
-    """Sizes over the standard deviations of torques, (n,); not a number where that is zero."""
+    """Sizes over the standard deviations of torques, (n,); not a number where that is rounding."""
     spread = np.sqrt(_mean((torque - _mean(torque)) ** 2))
-    return np.asarray(np.divide(size, spread, out=np.full(len(spread), np.nan), where=spread > 0.0))
+    changes = spread > 1e-9 * np.sqrt(_mean(torque**2))
+    return np.asarray(np.divide(size, spread, out=np.full(len(spread), np.nan), where=changes))
 
 
 def _mean(x: FloatArray) -> FloatArray:

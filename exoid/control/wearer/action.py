@@ -13,6 +13,8 @@ from exoid.estimate import EstimateData
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import scaled_inverse
 
+from .evaluation import Evaluation
+
 LEVEL = 0.01
 """Largest probability that a recording without a wearer is called worn."""
 
@@ -85,7 +87,9 @@ def constant_torques(
     """Find torques that are constant: a zero of a sensor that moved looks like a wearer who pushes evenly."""
     for joint, mean, power, action in zip(estimate.joint_names, evidence.mean, evidence.power, actions, strict=True):
         if action.steady and (not action.acts or mean**2 > 10.0 * power):
-            message = "the torque beside the actuator's is constant, as of a torque sensor whose zero is off"
+            message = (
+                "the torque beside the actuator's is constant, as of a torque sensor or an angle whose zero is off"
+            )
             remedy = "take the zero of the sensor unworn, or identify with an offset for each recording (own=offset)"
             kind = "constant-interaction"
             yield Finding(kind, joint, float(mean), "N·m", "warning", message, remedy, recording=source)
@@ -122,6 +126,27 @@ def body_like(
     yield Finding("body-like-interaction", "", part, "1", "warning", message, remedy, recording=source)
 
 
+def sensor_like(estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction]) -> Iterator[Finding]:
+    """Find an interaction that a sensor explains, which reads g τ̂(t) or τ̂(t − δ) beside its zero."""
+    # half way between both torques, τ̂(t) − τ̂(t − δ) ≈ δ τ̂'(t − δ/2) holds to the second order
+    slope = np.gradient(found.predicted - 0.5 * found.torque, found.time, axis=0)
+    for k, action in enumerate(actions):
+        if not action.acts:
+            continue
+        felt = found.torque[:, k] - found.torque[:, k].mean()
+        for of_scale, rows in ((True, found.predicted), (False, slope)):
+            row = rows[:, k] - rows[:, k].mean()
+            product, power = float(row @ felt), float(row @ row)
+            share = product**2 / (power * float(felt @ felt)) if power > 0.0 else 0.0
+            if share > 0.9:
+                ratio = product / power
+                wrong = f"reads {1.0 - ratio:.3g} times the torque" if of_scale else f"is {1e3 * ratio:.3g} ms late"
+                message = f"{share:.0%} of the torque is as of a sensor that {wrong}"
+                remedy = "check sign, scale and time stamps of the torque in a recording without a wearer (exoid check)"
+                joint = estimate.joint_names[k]
+                yield Finding("sensor-like-interaction", joint, share, "1", "warning", message, remedy)
+
+
 def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str) -> Iterator[Finding]:
     """Find errors of the training, and joints of which it left over 30 % of the torque unexplained."""
     wrong = sorted({finding.kind for finding in estimate.findings if finding.severity == "error"})
@@ -131,7 +156,7 @@ def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str) -
         yield Finding("rough-estimate", "", 1.0, "1", "error", message, remedy, recording=source)
     columns = (estimate.joint_names, estimate.residual_rms, predicted.std(axis=0), estimate.trained)
     for joint, rms, size, trained in zip(*columns, strict=True):
-        if trained and rms > 0.3 * size > 0.0:
+        if trained and rms > 0.3 * size > 1e-6 * rms:  # no torque that only rounding changes
             message = (
                 f"residuals of the training ({rms:.3g} N·m) are {rms / size:.0%} of the torque here: a wearer within "
                 "them is not noticed, and one may have acted in the training"

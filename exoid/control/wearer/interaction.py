@@ -39,6 +39,7 @@ from .action import (
     constant_torques,
     judge,
     rough_estimate,
+    sensor_like,
     too_few_samples,
 )
 from .evaluation import Evaluation, evaluate
@@ -269,6 +270,7 @@ def interaction(
     evidence = _evidence(estimate, found, torque, fraction)
     actions = judge(evidence)
     phase = find_phase(even, strides)
+    by_bodies = list(body_like(estimate, found.bodies, actions, name))
     findings = [
         *shifted_torques(estimate),
         *channel_findings(recording),
@@ -277,7 +279,7 @@ def interaction(
         *too_few_samples(estimate, evidence, name),
         *rough_estimate(estimate, found.predicted, name),
         *constant_torques(estimate, evidence, actions, name),
-        *body_like(estimate, found.bodies, actions, name),
+        *(by_bodies or sensor_like(estimate, found, actions)),
     ]
     return Interaction(
         estimate.joint_names,

@@ -1,6 +1,7 @@
 """Mistakes of real logs that look like a wearer are named."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -44,6 +45,17 @@ def test_torques_of_the_other_sign(estimate, unworn):
         exoid.interaction(estimate, dataclasses.replace(unworn, tau=-unworn.tau)), "body-like-interaction"
     )
     assert "other sign" in finding.message
+
+
+@pytest.mark.parametrize(("scale", "late", "unit"), [(-1.0, 0, "times"), (1.2, 0, "times"), (1.0, 4, "ms late")])
+def test_a_sensor_of_one_joint_that_misleads(estimate, unworn, scale, late, unit):
+    tau = unworn.tau.copy()
+    tau[:, 1] = scale * np.roll(tau[:, 1], late)
+    found = exoid.interaction(estimate, dataclasses.replace(unworn, tau=tau))
+    (finding,) = of_kind(found, "sensor-like-interaction")
+    assert finding.joint == estimate.joint_names[1]
+    (value,) = re.findall(rf"(\S+) {unit}", finding.message)
+    assert float(value) == pytest.approx(10.0 * late if late else scale, rel=0.05)
 
 
 def test_an_estimate_that_was_identified_with_a_wearer_inside(leg, unworn):
