@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.estimate.finding import Finding
+from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .advance import advance
-from .findings import findings_of
+from .findings import doubts_of, findings_of
 from .settings import Settings
 from .solution import estimate_of, started
 from .state import Change, State, begin, restarted
-from .stream import Sample, Stream, as_table, one_sample, take
+from .stream import Sample, Stream, as_table, moved, one_sample, take
 
 
 class RecursiveEstimator:
@@ -152,7 +153,9 @@ class RecursiveEstimator:
         Raises:
             ExoidError: The samples so far do not determine every parameter: names them.
         """
-        return estimate_of(self.settings, self._settled(), self.findings)
+        state = self._settled()
+        found = estimate_of(self.settings, state, ())
+        return replace(found, findings=ordered([*self.findings, *doubts_of(found, state)]))
 
     @property
     def changes(self) -> tuple[Change, ...]:
@@ -174,6 +177,8 @@ class RecursiveEstimator:
         for one in samples:
             self._pending.append(one)
             if len(self._pending) == self.settings.block:
+                if self._stream.given[0]:
+                    self._stream = moved(self._stream, np.array(self._pending), self.settings.rate)
                 self._state, self._pending = self._advanced(), []
 
     def _advanced(self) -> State:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, Severity, ordered
+from exoid.identification.findings.physics import impossible_leg
 
 from .settings import Settings
 from .state import State
@@ -15,6 +19,12 @@ FALLEN = 10.0
 
 CONTRADICTED = 3.0
 """Mean statistic of a minute from which on it is reported; 1 while only noise, and what is not yet known, errs."""
+
+PACE = 0.01
+"""Error of the sampling rate, and of the scale of velocities, that counts."""
+
+POOR, PERSISTENT = 0.5, 0.15
+"""Share of a joint's torque that no estimate should leave unexplained; where residuals last longer than noise does."""
 
 GIVEN_UP = "values before it are in changes; what was known of these parameters was given up"
 WAIT = "move all joints, both ways; until then what was known of all of these parameters is given up"
@@ -55,9 +65,35 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
         one, size = hypotheses[k], float(mean[k])
         text = f"torques contradict {', '.join(one.parameters)}: errors are {size**0.5:.3g} times the intervals'"
         say("intervals-contradicted", one.joint, size, text, LOOK, one.parameters)
+    pace = stream.periods / max(stream.counted, 1)
+    if stream.counted > 100 and abs(pace - 1.0) > PACE:
+        text = f"samples come at {settings.rate / pace:.4g} Hz by their time stamps, not at {settings.rate:.4g} Hz"
+        say("stream-rate", "", pace, text, "make the estimator with the rate of the samples")
+    ways, products = stream.travel
+    for joint, way, product in zip(settings.model.joint_names, ways.tolist(), products.tolist(), strict=False):
+        if way > 0.0 and abs(product / way - 1.0) > 2.0 * PACE:  # a delay of 20 ms takes 1 % of a usual gait's
+            text = f"the velocity is {product / way:.3g} times the derivative of the angle"
+            say("velocity-scale", joint, product / way, text, "pass no velocity (v=None), or mend its unit or sign")
     for (kind, (message, remedy)), number in zip(FAULTS.items(), stream.counts, strict=True):
         if number:
             share, text = number / max(stream.received, 1), f"{number} of {stream.received} {message}"
             level: Severity = "warning" if share > 1e-3 else "info"
             found.append(Finding(f"stream-{kind}", "", share, "", level, text, remedy))
     return ordered(tuple(found))
+
+
+def doubts_of(estimate: Estimate, state: State) -> Iterator[Finding]:
+    """Find what says that an estimate cannot be right: links that do not exist, and torques that are not explained."""
+    factors, rows = state.information.R[:-1], np.maximum(state.information.rows[:-1], 1.0)
+    yield from impossible_leg(estimate.model.leg, estimate.values, estimate.covariance, factors)
+    torque = np.linalg.norm(factors[:, :, -1], axis=1) / np.sqrt(rows)
+    sums = state.correlation.sums
+    lasts = sums[6] > 0.5 * sums[0]  # rows one period of the cut-off apart, where noise is no longer alike
+    shares = np.divide(estimate.residual_rms, torque, out=np.zeros_like(torque), where=torque > 0.0)
+    for joint, share, limit in zip(
+        estimate.joint_names, shares.tolist(), np.where(lasts, PERSISTENT, POOR), strict=True
+    ):
+        if share > limit:
+            text = f"the model leaves {share:.0%} of the torque unexplained"
+            remedy = "look for swapped or late channels, wrong signs and units (exoid check with a log of this stream)"
+            yield Finding("large-residual", joint, share, "1", "warning", text, remedy)

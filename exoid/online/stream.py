@@ -27,8 +27,12 @@ FAULTS = {
     "repeated-sample": ("samples that came twice were left out", "send each sample once"),
     "missing-samples": ("samples are missing", "send all samples, at an even rate"),
     "saturated-torque": ("torques at their limit were left out", "move more gently, or take a larger drive"),
+    "stuck-torque": ("torques that kept one value while their joint moved were left out", "look at their sensor"),
 }
 """Message and remedy of each fault."""
+
+STUCK, MOVED = 0.3, 0.05
+"""Time for which a torque that is stuck keeps one value [s], and distance by which its joint moves [rad]."""
 
 Sample = tuple[float, ...]
 """q, v, a, τ and marks of all joints, (5 n,)."""
@@ -42,10 +46,16 @@ class Stream(NamedTuple):
     time: float = math.nan  # its time stamp [s]; NaN without time stamps
     missing: int = 0  # samples that are missing since then
     implausible: int = 0  # samples that were refused since the last plausible one
+    held: tuple[int, ...] = ()  # samples for which the torque of each joint has kept one value; empty before the first
+    since: Sample = ()  # angle of each joint when that began [rad]; infinite once it is stuck
+    # squared ways of the blocks by angles, and products with those by velocities [rad²], (2, n)
+    travel: FloatArray = np.zeros((2, 1))
+    periods: float = 0.0  # sampling periods that time stamps say have passed
+    counted: int = 0  # and those that samples were counted as
     counts: tuple[int, ...] = (0,) * len(FAULTS)  # number of samples with each fault
     received: int = 0  # number of samples that were received
 
-    def counted(self, kind: str, number: int = 1) -> Stream:
+    def with_fault(self, kind: str, number: int = 1) -> Stream:
         """Count samples with a fault."""
         counts = (c + number if k == kind else c for k, c in zip(FAULTS, self.counts, strict=True))
         return self._replace(counts=tuple(counts))
@@ -59,10 +69,11 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
     if last and not math.isnan(time) and not math.isnan(stream.time):
         steps = (time - stream.time) * settings.rate
         if not steps > 0.5:
-            return stream.counted("repeated-sample")._replace(received=stream.received + 1), (), False
+            return stream.with_fault("repeated-sample")._replace(received=stream.received + 1), (), False
         late = round(steps) - 1
+        stream = stream._replace(periods=stream.periods + steps, counted=stream.counted + late + 1)
         if late > stream.missing:
-            stream = stream.counted("missing-samples", late - stream.missing)._replace(missing=late)
+            stream = stream.with_fault("missing-samples", late - stream.missing)._replace(missing=late)
     q, missing = sample[:n], stream.missing
     if last:
         jumped = max(map(abs, map(sub, q, last))) > FASTEST / settings.rate * (1 + missing)
@@ -73,18 +84,45 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
         name = settings.model.joint_names[worst]
         what = f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice"
         raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))
-    marks = (0.0,) * n
+    marks, tau = (0.0,) * n, sample[3 * n :]
     if settings.limits is not None:
-        marks = tuple(float(abs(x) >= y) for x, y in zip(sample[3 * n :], settings.limits, strict=True))
+        marks = tuple(float(abs(x) >= y) for x, y in zip(tau, settings.limits, strict=True))
         if any(marks):
-            stream = stream.counted("saturated-torque")
+            stream = stream.with_fault("saturated-torque")
+    stream = _watched(stream, q, tau, settings.rate)
+    if any(map(math.isinf, stream.since)):
+        marks = tuple(max(mark, float(math.isinf(x))) for mark, x in zip(marks, stream.since, strict=True))
+        stream = stream.with_fault("stuck-torque")
     now = (*sample, *marks)
-    after = Stream(stream.given, now, time, 0, 0, stream.counts, stream.received + 1)
+    after = stream._replace(last=now, time=time, missing=0, implausible=0, received=stream.received + 1)
     if not (last and 0 < missing <= BRIDGED):
         return after, (now,), missing > BRIDGED
     shares = [k / (missing + 1.0) for k in range(1, missing + 1)]
     bridge = (tuple(x + share * (y - x) for x, y in zip(last, now, strict=True)) for share in shares)
     return after, (*bridge, now), False
+
+
+def _watched(stream: Stream, q: Sample, tau: Sample, rate: float) -> Stream:
+    """Follow for how long the torque of each joint has kept one value, and whether its joint moved meanwhile."""
+    n, last = len(q), stream.last
+    held = stream.held or (0,) * n
+    if last:
+        held = tuple(count + 1 if x == y else 0 for count, x, y in zip(held, tau, last[3 * n :], strict=False))
+    if not any(held):
+        return stream._replace(held=held, since=q)
+    since = []
+    for count, begun, x in zip(held, stream.since, q, strict=True):
+        stuck = count > STUCK * rate and abs(x - begun) > MOVED
+        since.append(math.inf if stuck else begun if count else x)
+    return stream._replace(held=held, since=tuple(since))
+
+
+def moved(stream: Stream, samples: FloatArray, rate: float) -> Stream:
+    """Add how far joints move in a block, by their angles and by their velocities."""
+    n = samples.shape[1] // 5
+    by_angle, v = samples[-1, :n] - samples[0, :n], samples[:, n : 2 * n]
+    by_velocity = (v.sum(axis=0) - 0.5 * (v[0] + v[-1])) / rate
+    return stream._replace(travel=stream.travel + np.array([by_angle**2, by_angle * by_velocity]))
 
 
 def one_sample(q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int) -> Sample | None:
@@ -125,4 +163,6 @@ def _refused(settings: Settings, stream: Stream, kind: str) -> Stream:
         message, remedy = FAULTS[kind]
         what = f"no plausible sample for {refused / settings.rate:.3g} s ({message})"
         raise UnreadableInputError(what, remedy=remedy)
-    return stream.counted(kind)._replace(missing=stream.missing + 1, implausible=refused, received=stream.received + 1)
+    return stream.with_fault(kind)._replace(
+        missing=stream.missing + 1, implausible=refused, received=stream.received + 1
+    )

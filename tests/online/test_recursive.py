@@ -183,6 +183,40 @@ def test_samples_that_cannot_be_are_left_out_and_counted(leg, truth):
     assert (np.abs(online.estimate.values - clean.estimate.values) <= clean.estimate.std).all()
 
 
+MISTAKES = {
+    "none": (),
+    "the sign of a torque": ("large-residual",),
+    "swapped torques": ("impossible-leg", "large-residual"),
+    "a torque that is stuck": ("stream-stuck-torque",),
+    "another rate": ("stream-rate",),
+    "velocities of another unit": ("velocity-scale",),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_of_a_stream_are_named(leg, truth, mistake):
+    q, v, _, tau = swing(leg, truth, 30.0)
+    time, given = np.arange(len(q)) / RATE, None
+    if mistake == "the sign of a torque":
+        tau[:, 1] *= -1.0
+    elif mistake == "swapped torques":
+        tau = tau[:, [1, 0, 2]]
+    elif mistake == "a torque that is stuck":
+        tau[len(tau) // 2 :, 0] = tau[len(tau) // 2, 0]
+    elif mistake == "another rate":
+        time = 1.02 * time
+    elif mistake.startswith("velocities"):
+        given = 1.05 * v
+    online = RecursiveEstimator(leg, TERMS, rate=RATE)
+    online.update(q, given, None, tau, time)
+    found = online.estimate
+    named = {finding.kind for finding in found.findings}
+    assert named <= {*MISTAKES[mistake]}
+    assert bool(named) == bool(MISTAKES[mistake])
+    if mistake in ("none", "a torque that is stuck"):  # what is left out misleads no parameter
+        assert (np.abs(found.values - truth) < 4.5 * found.std + 1e-3).all()
+
+
 @pytest.mark.parametrize(
     ("arguments", "kind"),
     [

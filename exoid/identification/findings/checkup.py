@@ -115,7 +115,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
             found += turned_segment(checked)
     yield from found
     if not explained and not any(finding.severity == "error" for finding in found):
-        yield from impossible_leg(checked)
+        fitted = checked.fitted
+        yield from impossible_leg(fitted.model.leg, fitted.values, fitted.covariance, checked.evidence.factors)
     yield from large_residuals(checked, doubted=broken or any(finding.severity != "info" for finding in found))
 
 

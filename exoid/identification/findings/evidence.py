@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -56,9 +56,7 @@ class Evidence(NamedTuple):
 
     def torque_shares(self, columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray) -> FloatArray:
         """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""
-        torques = [max(float(np.linalg.norm(R[:, -1])), TINY) for R in self.factors]
-        of_joints = [np.linalg.norm(R[:, columns] @ sizes, axis=0) for R in self.factors]
-        return np.asarray(np.max(of_joints / np.array(torques)[:, None], axis=0))
+        return torque_shares(self.factors, columns, sizes)
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""
@@ -72,6 +70,14 @@ class Evidence(NamedTuple):
             rms = [np.linalg.norm(R_j[:, -1] - R_j[:, :-1] @ solution) for R_j in fitted] / np.sqrt(self.counts)
             weights = 1.0 / np.maximum(rms, floor)
         return np.asarray(weights)
+
+
+def torque_shares(
+    factors: Iterable[FloatArray], columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray
+) -> FloatArray:
+    """RMS torques of m sums of columns, as :meth:`Evidence.torque_shares`, given the R factor of each joint, (m,)."""
+    of_joints = [np.linalg.norm(R[:, columns] @ sizes, axis=0) / max(np.linalg.norm(R[:, -1]), TINY) for R in factors]
+    return np.asarray(np.max(of_joints, axis=0))
 
 
 def r_factor(rows: FloatArray) -> FloatArray:

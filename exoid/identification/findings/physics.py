@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from exoid.leg.lift.lift import nearest_within
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques import TorqueModel
 
-from .evidence import Evidence
+from .evidence import Evidence, torque_shares
 from .sample import FittedLeg
 
 IMPOSSIBLE = 4.5  # standard deviations of parameters that no leg can have from the nearest that one can
@@ -114,18 +114,19 @@ def _coupled_misfit(checked: CheckedFit, joint: str, scale: float) -> float:
     return float(np.log(plain / other).sum() + np.log(scale))
 
 
-def impossible_leg(checked: CheckedFit) -> Iterator[Finding]:
-    """Find parameters that no leg can have, by more than their errors."""
-    fitted, leg = checked.fitted, checked.fitted.model.leg
+def impossible_leg(
+    leg: Leg, values: FloatArray, covariance: FloatArray, factors: Iterable[FloatArray]
+) -> Iterator[Finding]:
+    """Find parameters that no leg can have, by more than their errors, given the R factor of each joint's rows."""
     rigid = len(leg.parameter_names)
-    bodies, errors = fitted.values[:rigid], fitted.covariance[:rigid, :rigid]
+    bodies, errors = values[:rigid], covariance[:rigid, :rigid]
     reasons = check_physical(leg, bodies).reasons if leg.chain is not None else ("densities would be negative",)
     if not reasons:
         return
     try:
         apart = _wrong_side(leg, bodies, errors)
         nearest, distance = nearest_within(leg, bodies, errors, IMPOSSIBLE)
-        change = checked.evidence.torque_shares(np.arange(rigid), np.diag(bodies - nearest)).max()
+        change = torque_shares(factors, np.arange(rigid), np.diag(bodies - nearest)).max()
         if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
             return
         apart = max(apart, distance)
