@@ -10,6 +10,7 @@ from typer import Argument
 import exoid
 from exoid.errors import BadArgumentError
 
+from .inputs import load_estimate
 from .options import AsJson, EstimateName, Figures
 from .outputs import check_outputs, print_result, save_figures
 
@@ -27,7 +28,7 @@ def compare(
     if Path(first).resolve() == Path(second).resolve():
         raise BadArgumentError("is given twice", where=first, remedy="name two estimates, of other logs or another leg")
     check_outputs({}, [first, second], figures)
-    both = exoid.Estimate.load(first), exoid.Estimate.load(second)
+    both = load_estimate(first), load_estimate(second)
     result = exoid.compare(*both)
     if figures is not None:
         save_figures(figures, exoid.view.report.comparison_figures(*both, result))

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-import exoid
-
+from .inputs import load_estimate
 from .options import AsJson, Figures, Report
 from .outputs import check_outputs, show_report
 from .progress import progress_bar
@@ -31,7 +30,7 @@ def coordinate(
     from exoid.lab import coordination  # noqa: PLC0415 - matplotlib would slow down the help
 
     check_outputs({"--report": report}, [] if leg in ("bleex", "cuhk") else [leg], figures)
-    source = leg if leg in ("bleex", "cuhk") else exoid.Estimate.load(leg)
+    source = leg if leg in ("bleex", "cuhk") else load_estimate(leg)
     with progress_bar("running the day") as progress:
         study = coordination.coordinate(source, seconds=seconds, events=events, seed=seed, progress=progress)
     show_report(coordination.coordination_report(study), figures, report, as_json=as_json)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import exoid
 from exoid.errors import BadArgumentError
 
 from .export_options import LawOptions, LinkOptions, Target
+from .inputs import load_estimate
 from .option_groups import expand_options
 from .options import AsJson, EstimateName, given
 from .outputs import check_outputs, print_result
@@ -35,7 +35,7 @@ def export(
         from exoid.codegen.ros2.folder import refuse_foreign  # noqa: PLC0415
 
         refuse_foreign(target.ros2)
-    found = exoid.Estimate.load(estimate)
+    found = load_estimate(estimate)
     if target.law is not None:
         from .law_export import export_law  # noqa: PLC0415 - only a law needs the controllers
 

@@ -12,6 +12,7 @@ import exoid
 from exoid.errors import BadArgumentError, ExoidError, in_file, nearest
 
 from .legs import DATASETS, dataset
+from .messages import note
 from .numbers import parse_numbers, split_names, values_by_name
 from .options import LogOptions, given
 from .refusals import is_readable, refuse, refuse_form
@@ -45,6 +46,15 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
     if options.start is None and options.stop is None:
         return recording
     return recording.between(options.start, options.stop)
+
+
+def load_estimate(path: str) -> exoid.Estimate:
+    """Load an estimate, and repeat its errors: what is made of it has them, too."""
+    found = exoid.Estimate.load(path)
+    for finding in found.findings:
+        if finding.severity == "error":
+            note(f"{path}: {finding}")
+    return found
 
 
 def read_log_of(leg: Leg, name: str, options: LogOptions) -> Recording:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from typer import Option
@@ -114,6 +112,8 @@ def plan(
 
     Example: exoid plan cuhk -o plan.csv --duration 10 --starts 1
     """
+    from exoid.experiments.excitation.plan_files import plan_files  # noqa: PLC0415 - help needs no arrays
+
     refuse_unknown_leg(leg)
     if stance.supports is not None:
         from exoid.experiments.excitation import determined_on  # noqa: PLC0415
@@ -136,7 +136,8 @@ def plan(
     else:
         refuse(given(reading), "only the log of --assess is read")
     torso_tilts = parse_numbers(tilts, "--tilts") or (0.0,)
-    files = {f"--output ({file.name})": file for file in _files(output, torso_tilts, stance)}
+    labels = split_names(stance.stance) or [f"tilt{tilt:+g}" for tilt in torso_tilts]
+    files = {f"--output ({file.name})": file for file in (plan_files(output, labels) if output else ())}
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
@@ -162,18 +163,6 @@ def plan(
     if figure is not None:
         save_figure(figure, _draw(result))
     print_result(result, as_json=as_json, data=_to_json(result))
-
-
-def _files(output: str | None, tilts: Sequence[float], stance: StanceOptions) -> Sequence[Path]:
-    """Files of a plan."""
-    from exoid.experiments.excitation.plan_files import plan_files  # noqa: PLC0415
-
-    feet = split_names(stance.stance)
-    if output is None:
-        return ()
-    if feet is not None:
-        return plan_files(output, feet)
-    return plan_files(output, [f"tilt{tilt:+g}" for tilt in tilts])
 
 
 def _stance_arguments(stance: StanceOptions, search: SearchOptions) -> dict[str, Any]:

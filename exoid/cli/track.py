@@ -14,6 +14,7 @@ from exoid.errors import BadArgumentError
 from exoid.tools.tables import DataTable
 
 from .column_map import with_remembered
+from .inputs import load_estimate
 from .messages import note
 from .numbers import parse_gains, parse_roles
 from .option_groups import expand_options
@@ -189,7 +190,7 @@ def _source(what: str) -> exoid.Estimate | Plant:
     if not is_readable(what):
         remedy = "name an estimate of exoid identify -o, or bleex; exoid reproduce tracking has document 2's comparison"
         raise BadArgumentError(f"no estimate {what!r}", remedy=remedy)
-    return exoid.Estimate.load(what)
+    return load_estimate(what)
 
 
 def _payloads(leg: Leg, motion: MotionOptions, rig: RigOptions) -> list[Payload]:

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-import exoid
-
+from .inputs import load_estimate
 from .numbers import parse_roles
 from .options import AsJson, Figures, Report, Roles
 from .outputs import check_outputs, show_report
@@ -35,7 +34,7 @@ def wear(
     from exoid.lab import reproduce  # noqa: PLC0415 - matplotlib would slow down the help
 
     check_outputs({"--report": report}, [what], figures)
-    source = what if what in ("bleex", "cuhk") else exoid.Estimate.load(what)
+    source = what if what in ("bleex", "cuhk") else load_estimate(what)
     with progress_bar("walking") as progress:
         study = reproduce.wear(
             source,

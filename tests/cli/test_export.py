@@ -1,10 +1,12 @@
 """``exoid export`` writes what ``Estimate.to_urdf`` writes, and says so."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 from exoid import Leg
+from exoid.estimate.finding import Finding
 
 
 @pytest.fixture
@@ -25,6 +27,15 @@ def test_export_writes_a_urdf_and_says_so(saved, tmp_path, exoid_):
         assert word in out
     again = Leg.from_urdf("leg.urdf", saved.joint_names)
     assert again.parameters == pytest.approx(saved.leg.parameters, rel=1e-12)
+
+
+def test_errors_of_an_estimate_are_repeated_by_what_uses_it(estimate, exoid_):
+    wrong = Finding("torque-sign", estimate.joint_names[1], -1.0, "1", "error", "the other sign fits", "negate it")
+    replace(estimate, findings=(wrong,)).save("wrong.json")
+    estimate.save("est.json")
+    for verb in (("export", "wrong.json", "--c", "leg.c"), ("compare", "wrong.json", "est.json")):
+        _, _, err = exoid_(*verb)
+        assert f"wrong.json: {wrong}" in err
 
 
 def test_export_as_json_says_what_is_in_the_file(saved, exoid_):
