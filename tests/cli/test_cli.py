@@ -4,11 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from html_pages import undrawn
 
 import exoid
 from exoid import Coulomb, Estimate, Recording, Stiffness
-from exoid.view.report import identification_report
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
 
@@ -107,16 +105,6 @@ def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
     found = json.loads(exoid_("identify", "bleex", TRAIN, "--test", TEST, "--test", TRAIN, "--json").out)
     assert found["tests"] == [exoid.validate(estimate, each).to_json() for each in (data.test, data.train)]
     assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
-
-
-@pytest.mark.slow
-def test_identify_writes_a_report(exoid_, estimate, data, tmp_path):
-    with undrawn():
-        run = exoid_("identify", "bleex", TRAIN, "--test", TEST, "--report", "leg.html", "--json")
-        page = identification_report(estimate, [data.train], [data.test]).html()
-    assert (run.code, run.err) == (0, "wrote leg.html\n")
-    assert "tests" in json.loads(run.out)
-    assert (tmp_path / "leg.html").read_text(encoding="utf-8") == page
 
 
 # ------------------------------------------------------------------------------------------- validate

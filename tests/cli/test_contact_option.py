@@ -69,21 +69,3 @@ def test_feet_rest_on_points_or_heels_if_one_says_so(exoid_, tmp_path, monkeypat
     inside = np.abs(estimate.values - truth.parameters) < 3.0 * estimate.std + 1e-3
     assert inside.all(), dict(zip(estimate.names, estimate.values - truth.parameters, strict=True))
     assert estimate["M"].value == pytest.approx(truth.parameters[0], rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("option", "told"),
-    [
-        ("toe=point", "no link 'toe'"),
-        ("left_foot=ball", "flat, edge, point"),
-        ("left_foot", "LINK=KIND"),
-        ("left_foot_heel=0,0", "(x, y, z)"),
-        ("left_foot_heel=0,x,0", "LINK=KIND"),
-    ],
-)
-def test_contacts_that_cannot_be_are_refused(exoid_, tmp_path, monkeypatch, option, told):
-    monkeypatch.chdir(tmp_path)
-    standing_on_points(0, 6.0).to_csv("log.csv")
-    refused = exoid_("identify", URDF, "log.csv", "--joints", ",".join(JOINTS), "--floating-base", "--contact", option)
-    assert refused.code == 2
-    assert told in refused.err

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.errors import nearest
 from exoid.regression.row_data import RowsFile
 from exoid.signals import Recording
 
@@ -22,14 +21,6 @@ def test_all_torque_channels_that_are_dead_are_named_at_once(exoid_, tmp_path, d
     for joint, value in ((names[0], 0), (names[2], 1.5)):
         assert f"the torque of joint {joint} is {value:g} N·m" in run.err
     assert f"tau_{names[0]}, tau_{names[2]}" in run.err
-
-
-@pytest.mark.parametrize(
-    ("name", "names", "meant"),
-    [("nix.csv", ["p.csv"], ""), ("oen.urdf", ["one.urdf", "log.csv"], "one.urdf"), ("kne", ["Knee", "hip"], "Knee")],
-)
-def test_an_ending_makes_no_names_alike(name, names, meant):
-    assert nearest(name, names) == (f"did you mean {meant!r}? " if meant else "")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")

@@ -141,12 +141,3 @@ def test_a_leg_without_a_gait_gets_the_gains_of_its_zero_pose(exoid_, tmp_path):
     for law in ("gravity_friction_pd", "lqr"):
         code, _, err = exoid_("export", "est.json", "--law", law, "--c", "law.c")
         assert code == 0, err
-
-
-def test_pd_controls_the_joints_of_the_estimate_in_ros_2(saved, exoid_, tmp_path):
-    """PD control needs no model, and a controller of "joint 0" none of the machine's."""
-    assert exoid_("export", "est.json", "--law", "pd", "--ros2", "leg")[0] == 0
-    written = "".join(path.read_text() for path in (tmp_path / "leg").rglob("*") if path.is_file())
-    assert "hip" in written
-    assert "joint_0" not in written
-    assert "joint 0" not in written

@@ -80,33 +80,3 @@ def test_each_verb_writes_its_figures_in_the_width_of_a_column_or_two(verb, run,
         assert float(re.search(r'<svg [^>]*width="([0-9.]+)pt"', svg)[1]) == pytest.approx(width, abs=0.1), name
         labels = [text for text in re.findall(r"<!-- (.*?) -->", svg) if text.endswith("]")]
         assert len(labels) >= (2 if name not in ("parameters", "correlation", "comparison") else 1), name
-
-
-@pytest.mark.parametrize("verb", VERBS)
-def test_a_file_as_the_folder_is_refused_before_the_work_and_stays(verb, run, tmp_path, monkeypatch):
-    monkeypatch.setattr("exoid.Recording.from_file", lambda *_, **__: pytest.fail("the work began"))
-    monkeypatch.setattr("exoid.Estimate.load", lambda *_, **__: pytest.fail("the work began"))
-    (tmp_path / "mine").write_text("mine")
-    code, out, err = run(VERBS[verb][0], "--figures", tmp_path / "mine")
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert "cannot write files into this folder" in err
-    assert "name a new folder" in err
-    assert (tmp_path / "mine").read_text() == "mine"
-
-
-def test_a_folder_that_is_read_is_no_folder_for_figures(run, inputs):
-    (inputs / "logs").mkdir()
-    (inputs / "log.csv").rename(inputs / "logs" / "log.csv")
-    code, _, err = run("identify bleex logs --figures logs")
-    (inputs / "logs" / "log.csv").rename(inputs / "log.csv")
-    assert code == 2
-    assert "logs: is an input" in err
-    assert not list((inputs / "logs").iterdir())
-    (inputs / "logs").rmdir()
-
-
-def test_with_own_there_are_no_figures_and_no_folder(run, tmp_path):
-    code, _, err = run("identify bleex log.csv worn.csv --own offset", "--figures", tmp_path / "new")
-    assert code == 2
-    assert "--figures has no effect: with --own each log has an estimate" in err
-    assert not (tmp_path / "new").exists()

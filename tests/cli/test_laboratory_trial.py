@@ -115,19 +115,6 @@ def test_a_trial_in_three_files_gives_the_leg_that_moved(exoid_, trial):
     assert max(json.loads(run.out)["nrmse"]) < 0.02
 
 
-@pytest.mark.slow
-def test_a_planar_pelvis_counts_and_a_part_of_one_is_refused(exoid_, trial, tmp_path):
-    text = (tmp_path / "ik.mot").read_text(encoding="utf-8")
-    for name in ("pelvis_list", "pelvis_rotation", "pelvis_tz"):
-        text = text.replace(name, f"other_{name[7:]}")
-    (tmp_path / "ik.mot").write_text(text, encoding="utf-8")
-    np.testing.assert_allclose(identified(exoid_, trial), trial.parameters, rtol=5e-3, atol=2e-3)
-    (tmp_path / "ik.mot").write_text(text.replace("pelvis_ty", "other_ty"), encoding="utf-8")
-    run = exoid_("identify", "bleex", *TRIAL)
-    assert run.code == 2
-    assert "'pelvis_ty'" in run.err
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -4,11 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from public_robots import urdf_of
 from walking import IMU, Walk
 
 import exoid
-from exoid import Leg
 from exoid.signals.base_motion import BASE_COLUMNS
 
 
@@ -40,12 +38,6 @@ def test_a_walk_is_identified_checked_and_validated(exoid_, walk, tmp_path):
     assert max(json.loads(validated.out)["nrmse"]) < 0.03
 
 
-def test_a_walk_without_its_base_is_called_wrong_by_check(exoid_, walk):
-    log, _ = walk
-    checked = exoid_("check", "cuhk", log, "--terms", "none")
-    assert "large-residual" in checked.out or "gravity-direction" in checked.out
-
-
 def test_what_is_wrong_with_the_options_is_said(exoid_, walk, tmp_path):
     log, options = walk
     for wrong, said in (
@@ -56,14 +48,3 @@ def test_what_is_wrong_with_the_options_is_said(exoid_, walk, tmp_path):
     ):
         refused = exoid_("identify", "cuhk", log, "-o", tmp_path / "est.json", *wrong)
         assert (refused.code, said in refused.err) == (2, True), refused.err
-
-
-@pytest.mark.slow
-def test_an_arm_on_a_moving_base_needs_the_option(exoid_, tmp_path):
-    leg = Leg.from_urdf(urdf_of("ur5"), base="moving")
-    Walk(leg, seconds=30.0, sideways=0.3, pitch=0.3).recording(0.1).to_csv(tmp_path / "arm.csv")
-    arguments = f"identify {urdf_of('ur5')} arm.csv -o e.json --terms none --no-check".split()
-    refused = exoid_(*arguments)
-    assert (refused.code, "--moving-base" in refused.err) == (2, True)
-    assert exoid_(*arguments, "--moving-base").code == 0
-    assert len(exoid.Estimate.load(tmp_path / "e.json").names) == 42

@@ -18,6 +18,7 @@ COMMANDS = {
     "compare": "compare est.json other.json",
     "export": "export est.json -o leg.urdf",
     "export --c": "export est.json --c leg.c",
+    "export --mjcf": "export est.json --mjcf leg.xml",
     "plan": "plan one.urdf --duration 10 --starts 1 -o plan.csv --figure plan.png",
     "plan --assess": "plan one.urdf --assess log.csv --figure plan.png",
     "view": "view one.urdf --html leg.html",

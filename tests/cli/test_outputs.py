@@ -43,21 +43,16 @@ def run(inputs, tmp_path, exoid_):
     ("words", "file"),
     [
         ((*IDENTIFY, "-o", "logs/log.csv"), "logs/log.csv"),
-        ((*IDENTIFY, "-o", "leg.urdf"), "leg.urdf"),
         ((*IDENTIFY, "--report", "leg.urdf"), "leg.urdf"),
         ((*IDENTIFY, "--test", "est.json", "--report", "est.json"), "est.json"),
         (("identify", "leg.urdf", "logs", "-o", "logs/log.csv"), "logs/log.csv"),
         (("select", "leg.urdf", "logs/log.csv", "-o", "logs/log.csv"), "logs/log.csv"),
         (("export", "est.json", "-o", "leg.urdf"), "leg.urdf"),
-        (("export", "est.json", "-o", "est.json"), "est.json"),
         (("export", "est.json", "--c", "est.json"), "est.json"),
-        (("view", "leg.urdf", "--html", "leg.urdf"), "leg.urdf"),
         (("view", "leg.urdf", "--log", "logs/log.csv", "--html", "logs/log.csv"), "logs/log.csv"),
         (("plan", "leg.urdf", "--assess", "logs/log.csv", "--figure", "logs/log.csv"), "logs/log.csv"),
         (("track", "est.json", "--reference", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
-        (("track", "est.json", "--report", "est.json"), "est.json"),
         (("validate", "est.json", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
-        (("interaction", "est.json", "logs/log.csv", "--report", "est.json"), "est.json"),
         (("compare", "est.json", "other.json", "--figures", "est.json"), "est.json"),
     ],
 )
@@ -65,12 +60,6 @@ def test_an_output_that_is_an_input_is_refused_before_anything_is_read(run, word
     line = run(*words)
     assert f"{file}: is an input" in line
     assert "give the output another name" in line
-
-
-def test_an_estimate_of_each_log_does_not_replace_a_log(run):
-    shutil.copy("logs/log.csv", "est-log.csv")
-    line = run("identify", "leg.urdf", "logs/log.csv", "est-log.csv", "--own", "offset", "-o", "est.csv")
-    assert "est-log.csv: is an input" in line
 
 
 def test_two_outputs_have_two_names(run):

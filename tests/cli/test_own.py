@@ -53,27 +53,3 @@ def test_json_equals_the_api(exoid_, logs):
         del estimate["leg"]["urdf"]
     assert (code, err) == (0, "")
     assert json.loads(out) == expected
-
-
-def test_left_and_right_logs_find_their_legs(exoid_, logs, tmp_path):
-    text = (tmp_path / "tuesday.csv").read_text(encoding="utf-8")
-    (tmp_path / "right.csv").write_text(text.replace("left_", "right_"), encoding="utf-8")
-    code, _, _ = exoid_(
-        "identify", "bleex", "--no-check", "monday.csv", "right.csv", "--own", "c0,d,offset", "-o", "leg.json"
-    )
-    assert code == 0
-    assert Estimate.load("leg-right.json").joint_names == ("right_hip", "right_knee", "right_ankle")
-    assert Estimate.load("leg-monday.json").joint_names == ("left_hip", "left_knee", "left_ankle")
-
-
-def test_logs_of_one_name_in_several_folders_are_told_apart(exoid_, logs, tmp_path):
-    for log in logs:
-        folder = tmp_path / log[:-4]
-        folder.mkdir()
-        (tmp_path / log).rename(folder / "log.csv")
-    code, out, _ = exoid_(
-        "identify", "bleex", "--no-check", "monday/log.csv", "tuesday/log.csv", "--own", "offset", "-o", "e.json"
-    )
-    assert code == 0
-    assert "offset_hip[monday/log.csv]" in out
-    assert Estimate.load("e-tuesday-log.csv.json").value("offset_hip") > 1.0

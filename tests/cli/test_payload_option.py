@@ -63,11 +63,3 @@ def test_without_a_payload_the_command_says_what_to_do(exoid_, folder):
     assert found.code == 2
     assert "nothing is known in N·m, so that kt_hip, kt_knee cannot be found" in found.err
     assert "--payload LOG=SEGMENT:KG@X,Y,Z" in found.err
-
-
-def test_an_estimate_predicts_a_log_with_a_payload(exoid_, folder):
-    exoid_("identify", "cuhk", "light.csv", "named.csv", "--actuators", "drives.toml", "--no-check", "-o", "est.json")
-    with_it = exoid_("validate", "est.json", "heavy.csv", "--payload", OPTION, "--json")
-    without = exoid_("validate", "est.json", "heavy.csv", "--json")
-    assert max(json.loads(with_it.out)["nrmse"]) < 0.02
-    assert max(json.loads(without.out)["nrmse"]) > 0.2

@@ -27,22 +27,6 @@ def slow_log(path):
     exoid.Recording(time, q, joint_names=LEG.joint_names).to_csv(path)
 
 
-def test_a_log_on_feet_is_assessed_with_a_floating_base(run, tmp_path):
-    leg, time = exoid.load_exo("bleex", base="floating"), np.arange(1000) / 100.0
-    q = 0.2 * np.sin(np.outer(time, 2.0 * np.arange(1.0, 7.0))) + np.array([0.3, -0.7, 0.3] * 2)
-    base = exoid.BaseMotion.from_imu(np.zeros((1000, 3)), np.tile([0.0, 0.0, 9.81], (1000, 1)))
-    down = {"left_foot": time < 5.0, "right_foot": time >= 5.0}
-    exoid.Recording(time, q, joint_names=leg.joint_names, base=base, contacts=down).to_csv(tmp_path / "log.csv")
-    code, out, _ = run("bleex", "--floating-base", "--assess", "log.csv", "--noise", "0.3", "--terms", "none", "--json")
-    assert code == 0
-    data = json.loads(out)
-    assert data["determined"]["X2_left"] == "well"
-    assert data["advice"] == []
-    code, _, err = run("bleex", "--floating-base", "-o", "plan.csv")
-    assert code == 2
-    assert "--stance" in err
-
-
 @pytest.mark.slow
 def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
     code, out, err = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figure", "plan.png", "--json")

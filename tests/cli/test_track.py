@@ -1,7 +1,6 @@
 """``exoid track``: laws side by side on an estimate and on BLEEX, and document 2's comparison."""
 
 import json
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,12 +8,10 @@ import pytest
 from controlled_legs import estimate_of
 
 import exoid
-from exoid import control, published, reproduce
+from exoid import control, published
 from exoid.control.standard_laws import SENSORS
 from exoid.estimate import Estimate
 from exoid.experiments import healthy_gait
-from exoid.leg.description import describe
-from exoid.rig import Plant
 from exoid.torques import Armature, Coulomb, Offset, TorqueModel, Viscous
 
 NAMES = ["pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "self_tuning"]
@@ -57,17 +54,6 @@ def test_an_estimate_is_tracked_by_every_law(track, saved):
 
 
 @pytest.mark.slow
-def test_a_rig_may_differ_from_what_the_laws_know(track, saved):
-    peak = {}
-    for options in ((), ("--rig-payload", 2), ("--rig-friction", 3)):
-        code, out, _ = track(saved, "--period", 1, "--json", "--kp", "40,40", *options)
-        assert code == 0
-        peak[options] = json.loads(out)["laws"]["feedforward_pd"]["peak_deg"]
-    assert peak["--rig-payload", 2][1] > 1.3 * peak[()][1]
-    assert peak["--rig-friction", 3][1] > 1.1 * peak[()][1]
-
-
-@pytest.mark.slow
 def test_a_table_and_figures(track, saved, tmp_path):
     code, out, err = track(saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs")
     assert code == 0, err
@@ -94,84 +80,6 @@ def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     text = (tmp_path / "walk.csv").read_text(encoding="utf-8")
     (tmp_path / "labels.csv").write_text(text.replace("left_", ""), encoding="utf-8")
     assert track(saved, "--reference", "labels.csv").out == out
-
-
-@pytest.mark.nightly
-def test_the_reference_of_a_log_is_the_log(track, saved, tmp_path, monkeypatch):
-    """A motion that no six harmonics describe; the reference that the controllers get is compared with the log."""
-    time = np.arange(1200) / 100.0
-    q = np.column_stack([0.3 * np.sin(0.5 * time**2), 0.6 - 0.4 * np.cos(3.0 * time) * np.exp(-0.1 * time)])
-    noisy = q + 1e-4 * np.random.default_rng(0).normal(size=q.shape)
-    exoid.Recording(time + 7.0, noisy, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "log.csv")
-    followed, real = [], control.compare_laws
-    monkeypatch.setattr("exoid.control.compare_laws", lambda *a, **k: followed.append((a, k)) or real(*a, **k))
-    code, out, _ = track(saved, "--reference", "log.csv", "--json")
-    assert code == 0
-    ((_, _, reference, duration), options) = followed[0]
-    assert (duration, options["settle"]) == (pytest.approx(11.99), 1.0)
-    angles = np.array([reference.at(float(t)).q[:, 0] for t in time])
-    assert np.rad2deg(np.abs(angles - q)).max() < 0.5
-    assert json.loads(out)["laws"]["feedforward_pd"]["peak_deg"][0] < 5.0
-
-
-@pytest.mark.slow
-def test_joints_of_any_name_walk_once_their_roles_are_declared(track, saved, tmp_path):
-    data = json.loads((tmp_path / saved).read_text(encoding="utf-8"))
-    text = json.dumps(data["leg"]["urdf"]).replace("left_hip", "HFE").replace("left_knee", "KFE")
-    leg = exoid.Leg.from_description(describe(json.loads(text)), ("HFE", "KFE"))
-    time = np.arange(1000) / 100.0
-    q = np.column_stack([0.4 * np.sin(2.0 * time), 0.5 + 0.4 * np.cos(3.0 * time)])
-    still = exoid.Recording(time, q, joint_names=leg.joint_names)
-    moving = still.resampled()
-    v, a = np.gradient(q, 0.01, axis=0), np.gradient(np.gradient(q, 0.01, axis=0), 0.01, axis=0)
-    recording = exoid.Recording(time, moving.q, tau=leg.inverse_dynamics(q, v, a), joint_names=leg.joint_names)
-    exoid.identify(leg, recording, terms=()).save(tmp_path / "any.json")
-    code, _, err = track("any.json", "--period", 2)
-    assert code == 2
-    assert "--role HFE=hip" in err
-    code, out, _ = track("any.json", "--period", 2, "--role", "HFE=hip", "--role", "KFE=knee", "--rig-payload", 1)
-    assert code == 0
-    assert "HFE" in out
-    for role, words in (("HFE", "JOINT=ROLE"), ("HFE=toe", "one of hip, knee, ankle"), ("XYZ=hip", "XYZ=hip")):
-        code, _, err = track("any.json", "--role", role)
-        assert code == 2
-        assert words in err
-
-
-@pytest.mark.slow
-def test_document_2s_comparison_is_printed(exoid_, monkeypatch):
-    """The replay itself is tested with the others; here a short one stands in."""
-    short = partial(healthy_gait, period=2.0)
-    gait = short(1.2)
-    plant = reproduce.cuhk_tracking.tracking_plant()
-    laws = {"pd_30hz": control.pd(22.0, 2.2, rate=30.0), **control.standard_laws(plant, 22.0, 2.2, gait, 2.0)}
-    runs = control.compare_laws(plant, laws, gait, 4.0, settle=2.0)
-
-    def replay(seed, *, progress):
-        progress(1.0)
-        return reproduce.cuhk_tracking.TrackingReplay(None, runs, 0.8, seed)
-
-    monkeypatch.setattr(reproduce, "reproduce_cuhk_tracking", replay)
-    code, out, err = exoid_("reproduce", "tracking", "--json", "--seed", 3)
-    assert (code, err) == (0, "")
-    data = json.loads(out)
-    assert (list(data), data["seed"]) == (["laws", "gains", "seed"], 3)
-    assert list(data["laws"]) == ["pd_30hz", *NAMES]
-    code, out, _ = exoid_("reproduce", "tracking")
-    assert code == 0
-    assert "rotors of 0.8 kg·m²" in out
-    assert "document 2 calls their power comparable" in " ".join(out.split())
-
-
-def test_a_model_gives_the_rig_it_describes():
-    """And back again; slightly negative friction becomes none."""
-    truth = Plant.build(exoid.load_leg("cuhk"), {"c0_hip": 1.0, "d_knee": 0.2, "b1_knee": 0.5, "b0_hip": -1.0})
-    rig = control.ControlModel.of(truth).plant()
-    for name in ("parameters", "stiffness", "coulomb", "static", "viscous", "armature", "lower", "upper"):
-        np.testing.assert_allclose(getattr(rig, name), getattr(truth, name), atol=1e-12)
-    model = control.ControlModel.of(truth)
-    negative = replace(model, coulomb=-model.coulomb).plant()
-    assert not negative.coulomb.any()
 
 
 # ------------------------------------------------------------------------------------------ dry run

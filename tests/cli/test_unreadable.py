@@ -7,7 +7,6 @@ import pytest
 from one_joint import swing, write_urdf
 
 import exoid
-from exoid.signals import Recordings
 
 LOCKED = "x" * 300
 """Folder whose name no system accepts: looking into it fails as it does without rights, also for root."""
@@ -18,20 +17,13 @@ COMMANDS = {
     "identify, output": "identify one.urdf log.csv -o {}/est.json",
     "identify, report": "identify one.urdf log.csv --report {}/report.html",
     "check": "check one.urdf {}/log.csv",
-    "select": "select one.urdf log.csv -o {}/est.json",
     "validate": "validate {}/est.json log.csv",
-    "validate, log": "validate est.json {}/log.csv",
     "compare": "compare est.json {}/est.json",
     "export": "export {}/est.json -o leg.urdf",
-    "export, output": "export est.json -o {}/leg.urdf",
     "export, C": "export est.json --c {}/leg.c",
-    "plan": "plan {}/one.urdf",
-    "plan, output": "plan one.urdf -o {}/plan.csv",
     "plan, log": "plan one.urdf --assess {}/log.csv",
-    "view": "view {}/one.urdf --html leg.html",
     "view, page": "view one.urdf --html {}/leg.html",
     "view, log": "view one.urdf --log {}/log.csv --html leg.html",
-    "track": "track {}/est.json",
     "track, log": "track est.json --reference {}/log.csv",
     "track, figures": "track est.json --figures {}/figures",
     "track, report": "track est.json --report {}/report.html",
@@ -71,27 +63,6 @@ def test_a_folder_that_cannot_be_read_is_one_line(refused, name, place):
     assert place[:40] in line or "a plan in" in line
 
 
-@pytest.fixture
-def folder(tmp_path):
-    """A folder whose mode a test may change; a skip where modes do not count."""
-    path = tmp_path / "locked"
-    path.mkdir()
-    path.chmod(0)
-    if os.access(path, os.R_OK):
-        pytest.skip("root may read everything")
-    path.chmod(0o700)
-    yield path
-    path.chmod(0o700)
-
-
-@pytest.mark.parametrize("mode", [0, 0o400])
-@pytest.mark.parametrize("words", [("identify", "one.urdf"), ("validate", "est.json"), ("check", "one.urdf")])
-def test_a_folder_of_logs_without_rights_is_one_line(refused, folder, words, mode):
-    (folder / "log.csv").write_text("time")
-    folder.chmod(mode)
-    assert "cannot be read (Permission denied)" in refused(*words, "locked")
-
-
 def test_a_folder_in_place_of_a_file_is_called_a_folder(refused, tmp_path):
     (tmp_path / "logs").mkdir()
     assert "logs: is a folder, not a URDF file. To fix it: name the URDF file in it" in refused(
@@ -99,18 +70,6 @@ def test_a_folder_in_place_of_a_file_is_called_a_folder(refused, tmp_path):
     )
     assert "logs: cannot be written: it is a folder" in refused("identify", "one.urdf", "log.csv", "-o", "logs")
     assert "logs: is a directory" in refused("validate", "logs", "log.csv")
-
-
-@pytest.mark.parametrize("place", [LOCKED, "log.csv"])
-def test_python_gets_an_exoid_error_too(refused, tmp_path, place):
-    log = tmp_path / place / "log.csv"
-    for read in (exoid.Recording.from_file, exoid.Leg.from_urdf, exoid.Estimate.load, Recordings.from_folder):
-        with pytest.raises(exoid.ExoidError, match=r"read|no such"):
-            read(log)
-    with pytest.raises(exoid.ExoidError, match="cannot be written"):
-        exoid.Estimate.load(tmp_path / "est.json").save(log)
-    with pytest.raises(exoid.ExoidError, match="cannot be written"):
-        exoid.Estimate.load(tmp_path / "est.json").to_urdf(log.with_suffix(".urdf"))
 
 
 def test_standard_output_in_a_file_is_no_output(tmp_path, refused, monkeypatch):
@@ -142,8 +101,3 @@ def test_what_has_no_end_is_refused_at_once(refused, tmp_path):
     assert "is not a regular file" in refused("identify", "one.urdf", "pipe")
     for option in ("--actuators", "--columns"):
         assert "is a device or a pipe" in refused("identify", "bleex", "log.csv", option, "pipe")
-
-
-def test_integers_that_no_float_holds_are_not_toml(refused, tmp_path):
-    (tmp_path / "drives.toml").write_text(f'[hip]\ntype = "motor"\nratio = 1{"0" * 400}\n')
-    assert "64 bits" in refused("identify", "bleex", "log.csv", "--actuators", "drives.toml")
