@@ -2,7 +2,6 @@
 
 import shutil
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,11 +9,9 @@ from compiled import COMPILER, CompiledLeg, compile_c, made_up, needs_compiler, 
 from planar_chains import assert_relative, random_motion
 
 import exoid
-from exoid import Leg, Viscous
-from exoid.codegen import c_source, write_c
+from exoid import Leg
 from exoid.estimate.data import Input
 from exoid.leg.description import describe
-from exoid.torques import TorqueModel
 
 CUHK = exoid.load_leg("cuhk")
 ESTIMATE = made_up(CUHK)
@@ -96,19 +93,6 @@ def test_it_compiles_as_cpp_too(tmp_path):
     subprocess.run([*command, "-c", str(tmp_path / "leg.c"), "-o", str(tmp_path / "leg.o")], check=True)
 
 
-def test_the_comment_says_where_the_numbers_come_from():
-    estimate = replace(ESTIMATE, inputs=(Input("monday.csv", "0123" * 16, 500, 50.0),), warnings=("it limped",))
-    head = source_of(estimate).text.split("*/")[0]
-    for word in (
-        *("cuhk.urdf", CUHK.description.sha256, "monday.csv", "0123" * 16, "500 samples at 50 Hz", "it limped"),
-        *(exoid.__version__, "left_hip, left_knee", "N m", "rad", "M(q) a", "double", "Ia_hip is regrouped into J1"),
-    ):
-        assert word in head
-    for name, value, unit in zip(estimate.names, estimate.values, ("kg m", "kg m", "kg m^2"), strict=False):
-        assert f"{name} = {value:.6g} +- " in head
-        assert f" {unit}, well determined" in head
-
-
 @needs_compiler
 def test_no_name_can_break_out_of_a_comment(tmp_path):
     nasty = '*/ #error "out" /*??/\\\n é \x07*\x00/'
@@ -120,16 +104,3 @@ def test_no_name_can_break_out_of_a_comment(tmp_path):
     motion = random_motion(np.random.default_rng(0), 2)
     assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 1e-12)
     assert (tmp_path / "leg.c").read_bytes().isascii()
-
-
-def test_a_model_needs_no_estimate_and_no_provenance(tmp_path):
-    model = TorqueModel(CUHK, (Viscous(),))
-    values = np.append(CUHK.parameters, [1.0, 2.0])
-    source = write_c(tmp_path / "leg.c", model, values, name="cuhk")
-    assert source.functions[0] == "cuhk_gravity"
-    assert (tmp_path / "leg.c").read_text() == source.text == c_source(model, values, name="cuhk").text
-    head = source.text.split("*/")[0]
-    assert CUHK.description.sha256 in head
-    assert "Estimator" not in head
-    assert "None" not in source.text
-    assert source.to_json()["values"]["d_knee"] == 2.0

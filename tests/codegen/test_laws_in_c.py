@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from laws_of_bleex import KD, LIMIT, gait, laws, model, observer, random_values, torques_in_python
 
 from exoid.codegen import Safety, c_source
-from exoid.control import default_gains, gravity_friction_pd, simulate_law
+from exoid.control import default_gains, simulate_law
 from exoid.control.standard_laws import SENSORS
 from exoid.rig import Plant, Wearer
 
@@ -198,11 +198,3 @@ def test_a_second_leg_has_its_own_state(library):
     resumed, status, _ = law.run(rows[5:], memory)
     assert not status.any()
     np.testing.assert_array_equal(resumed, law.run(rows)[0][5:])
-
-
-def test_a_wrong_gain_would_be_seen(library):
-    law, values = library["gravity_only_double"], random_values(20)
-    tau, _, _ = law.run(records(law.source, 20, values))
-    wrong = gravity_friction_pd(model(), 1.001 * KD, 0.0, friction=None)
-    with pytest.raises(AssertionError, match="Not equal to tolerance"):
-        assert_relative(tau, torques_in_python(wrong, values), EXACT)

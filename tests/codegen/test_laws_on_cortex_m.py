@@ -39,14 +39,3 @@ def test_a_law_runs_on_a_microcontroller(name, precision, error, tmp_path):
     expected = torques_in_python(laws()[name], values)
     np.testing.assert_allclose(torques, expected, atol=error * np.abs(expected).max(), rtol=0)
     assert 100 < min(taken) <= max(taken) < 200_000
-
-
-def test_instructions_are_counted_one_by_one(tmp_path):
-    loop = "unsigned loop(unsigned n);\nunsigned loop(unsigned n)\n{\n"
-    loop += '    __asm__ volatile("1: subs %0, #1\\n bne 1b" : "+r"(n));\n    return n;\n}\n'
-    (tmp_path / "loop.c").write_text(loop)
-    machine = Machine(compile_for_cortex_m([tmp_path / "loop.c"], ("loop",), tmp_path), count=True)
-    machine.call("loop", 1)
-    overhead = machine.instructions() - 2
-    machine.call("loop", 1000)
-    assert machine.instructions() == 2 * overhead + 2 + 2000

@@ -2,18 +2,14 @@
 
 import re
 import subprocess
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
-from compiled import CompiledLeg, compile_c, needs_compiler
+from compiled import compile_c, needs_compiler
 from doc_pages import FENCE, ROOT, Page
-from planar_chains import assert_relative, random_motion
 
 import exoid
-from exoid.codegen import c_source
 
 PAGE = Page.read("docs/microcontroller.md")
 
@@ -36,20 +32,6 @@ def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkey
         compile_c((), Path("main.c"), Path(source), to=Path("strict"))
     printed = [float(value) for value in re.findall(r": (\S+) N m", shown[0])]
     assert printed == pytest.approx(expected(exoid.Estimate.load("est.json")), abs=0.006)
-
-
-@pytest.mark.slow
-def test_the_term_of_ones_own_computes_the_same_in_c(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    PAGE.run_python(tmp_path)
-    page = ModuleType("page")
-    monkeypatch.setitem(sys.modules, "page", page)  # where dataclass looks for the class
-    exec(PAGE.python, vars(page))
-    estimate = page.est
-    assert "drag_term" in Path("drag.c").read_text(encoding="utf-8")
-    c = CompiledLeg(c_source(estimate.model, estimate.values, precision="float"), tmp_path)
-    motion = np.float64(np.float32(random_motion(np.random.default_rng(0), c.n, turns=0.25)))
-    assert_relative(c("inverse_dynamics", *motion), estimate.torque(*motion), 3e-6)
 
 
 def expected(estimate: exoid.Estimate) -> np.ndarray:

@@ -8,7 +8,6 @@ from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 from laws_of_bleex import model
 
-import exoid
 from exoid.codegen import Safety, c_source
 from exoid.control.observers import MomentumObserver, SensorNoise
 
@@ -66,16 +65,6 @@ def test_a_moving_leg(library, name, precision, tolerance):
     largest = np.abs(np.concatenate([values["tau_m"], expected])).max()
     np.testing.assert_allclose(tau, expected, atol=tolerance * largest)
     assert np.abs(tau[80:] - pushed[80:]).max() < 4.0  # it is the torque of the one who pushes, a little late
-
-
-@needs_compiler
-def test_recorded_readings(library):
-    law, observer, log = library["observer_double"], OBSERVERS["observer"], exoid.datasets.bleex_swing().train
-    values = {"q": log.q[:300], "v": np.gradient(log.q[:300], log.time[:300], axis=0), "tau_m": log.tau[:300]}
-    tau, status, _ = law.run(records(law.source, 300, values))
-    assert not status.any()
-    expected = in_python(observer, values)
-    np.testing.assert_allclose(tau, expected, atol=1e-12 * np.abs(expected).max())
 
 
 @needs_compiler

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
-from laws_of_bleex import KD, KP, laws, random_values, torques_in_python
+from laws_of_bleex import KD, KP, random_values, torques_in_python
 
-from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source, write_c
+from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source
 from exoid.control import pd
 
 
@@ -75,29 +75,8 @@ def test_a_law_with_memory_begins_again_after_a_fault(tmp_path):
     np.testing.assert_allclose(tau[21:], torques_in_python(FilteredPID(), after), atol=1e-11)
 
 
-def test_no_text_ends_the_comment():
-    source = c_source(FilteredPID(), name="own", provenance=("*/ #include <evil.h> /*",))
-    for text in (source.header, source.text):
-        assert "*/ int x" not in text
-        assert "*/ #include" not in text
-
-
 def test_the_damping_of_the_safe_torque_may_be_chosen():
     source = c_source(pd(KP, KD), safety=Safety(damping=(1.0, 2.0, 3.0)))
     assert "law_safe_damping[3] = {1.0, 2.0, 3.0};" in source.text
     assert "damping of 1, 2, 3 N m s/rad" in source.header
     assert "safe_damping" not in c_source(pd(KP, KD), safety=Safety("zero")).text
-
-
-def test_files_and_their_description(tmp_path):
-    written = write_c(tmp_path / "my-law.c", laws()["pd"], precision="float", safety=Safety("zero", patience=0.1))
-    assert (tmp_path / "my-law.c").read_text() == written.text
-    assert (tmp_path / "my_law.h").read_text() == written.header
-    assert '#include "my_law.h"' in written.text
-    data = written.to_json()
-    assert data["functions"] == ["my_law_init", "my_law_step"]
-    assert (data["safe"], data["patience"], data["precision"], data["rate"]) == ("zero", 0.1, "float", 100.0)
-    assert set(data["files"]) == {"my-law.c", "my_law.h"}
-    assert "#define MY_LAW_PATIENCE 10" in written.text
-    again = c_source(laws()["pd"], name="my-law", precision="float", safety=Safety("zero", patience=0.1))
-    assert (again.text, again.header) == (written.text, written.header)

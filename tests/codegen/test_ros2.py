@@ -16,7 +16,6 @@ from laws_of_bleex import KD, laws, torques_in_python
 import exoid
 from exoid import ExoidError
 from exoid.codegen import Safety, c_source, write_ros2
-from exoid.codegen.ros2.folder import write_folder
 
 CPP = shutil.which("g++")
 STUBS = Path(__file__).parent / "ros2_stubs"
@@ -239,16 +238,6 @@ def test_the_folder_is_written_whole_and_never_over_other_files(tmp_path):
         write_ros2(folder, law)
     assert "K (x_d - x)" in (folder / "README.md").read_text()
     assert [path.name for path in tmp_path.iterdir()] == ["leg"]
-
-
-def test_a_disk_that_fails_leaves_nothing(tmp_path, monkeypatch):
-    def full(self, *arguments, **options):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_text", full)
-    with pytest.raises(ExoidError, match="No space left"):
-        write_folder(tmp_path / "leg", {"a/b.txt": "text"})
-    assert not list(tmp_path.iterdir())
 
 
 def test_the_description_has_every_file_and_its_c_is_that_of_the_law(tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cortex_m import needs_cortex_m
 from doc_pages import Page
-from stm32_firmware import CAN1_RX0, EXAMPLE, RATE, SLEW, Firmware, InTheLoop, LawInPython, build, measured, motion
+from stm32_firmware import EXAMPLE, RATE, SLEW, Firmware, InTheLoop, LawInPython, build, measured, motion
 
 pytestmark = [
     needs_cortex_m,
@@ -68,10 +68,6 @@ def test_flash_stack_and_instructions_are_those_of_the_page(page, built):
     assert list(map(int, number.findall(shown))) == pytest.approx(list(map(int, number.findall(printed))), rel=0.05)
 
 
-def test_the_timer_overflows_at_the_rate_of_the_law(firmware):
-    assert firmware.machine.read("stub_tim6", np.uint32)[1] == 1e6 / RATE - 1
-
-
 def test_before_the_button_is_pressed_the_leg_is_damped_and_nothing_else(firmware):
     assert all(quiet(firmware.step(Q, 0 * V).current) for _ in range(50))
     assert firmware.fed == 50
@@ -97,14 +93,6 @@ def test_the_button_starts_nothing_while_an_encoder_is_missing(firmware):
     firmware.press(True)
     firmware.step(Q, 0 * V)
     assert not quiet(firmware.step(Q, 0 * V).current)
-
-
-@pytest.mark.parametrize("late", [1, PATIENCE])
-def test_a_late_frame_is_bridged(firmware, late):
-    started(firmware)
-    for _ in range(late):
-        assert not quiet(firmware.step(Q, V, reports=(0, 2)).current)
-    assert not quiet(firmware.step(Q, V).current)
 
 
 @pytest.mark.parametrize("fault", [{"reports": ()}, {"reports": (0, 2)}, {"hangs": True}])
@@ -142,25 +130,3 @@ def test_the_watchdog_is_fed_once_for_each_step_that_was_done(firmware):
         firmware.set(fault, 0)
         firmware.step(Q, V)
         assert firmware.fed == fed + 1
-
-
-def test_the_watchdog_is_fed_while_the_command_is_the_safe_one(firmware):
-    """A reset would not help against a broken encoder."""
-    started(firmware)
-    fed = firmware.fed
-    for _ in range(20):
-        firmware.step(Q, V, reports=())
-    assert firmware.fed == fed + 20
-
-
-def test_frames_of_others_change_nothing(built):
-    current = []
-    for others in ((), ((0x0FF, 7), (0x103, 7), (0x100, 8), (0x101, 0), (0x7FF, 7))):
-        firmware = Firmware(built[0])
-        started(firmware)
-        for identifier, size in others:
-            frame = np.uint32([identifier, size, 0x7FFFFFFF, 0x00FF7FFF])
-            firmware.machine.write("stub_received", frame)
-            firmware.machine.interrupt(CAN1_RX0)
-        current.append([firmware.step(Q, V, reports=()).current for _ in range(20)])
-    np.testing.assert_array_equal(*current)
