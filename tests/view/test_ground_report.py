@@ -4,14 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from standing import GRAVITY, mirrored, standing
 
 import exoid
 from exoid import Viscous
 from exoid.estimate.ground_prediction import GroundForce
 from exoid.tools.tables import DataTable
-from exoid.view.forces import plot_ground_force
 from exoid.view.report.ground import _centre_half, ground_blocks
 from exoid.view.report.page import Picture
 
@@ -44,14 +42,6 @@ def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, est
     assert len(pictures) == 2
 
 
-def test_a_leg_that_swings_has_no_ground_forces(leg):
-    time = np.arange(0.0, 10.0, 0.01)
-    q = 0.4 * np.sin(np.outer(time, (2.0, 3.1, 4.3)) + np.arange(3.0))
-    v, a = np.gradient(q, time, axis=0), np.gradient(np.gradient(q, time, axis=0), time, axis=0)
-    log = exoid.Recording(time, q, tau=leg.inverse_dynamics(q, v, a), joint_names=leg.joint_names)
-    assert not list(ground_blocks(exoid.identify(leg, log, terms=()), [log]))
-
-
 def test_the_band_of_the_centre_of_pressure_is_that_of_its_parts():
     rng = np.random.default_rng(0)
     force, moment = np.tile((20.0, 0.0, 500.0), (20_000, 1)), np.tile((0.0, -15.0, 0.0), (20_000, 1))
@@ -63,11 +53,3 @@ def test_the_band_of_the_centre_of_pressure_is_that_of_its_parts():
     )
     spread = (noisy.center_of_pressure(-0.1) - exact.center_of_pressure(-0.1))[:, 0].std()
     assert _centre_half(exact, -0.1)[0] == pytest.approx(spread, rel=0.05)
-
-
-def test_lines_are_not_drawn_where_the_foot_does_not_rest():
-    time = np.concatenate([np.arange(0.0, 1.0, 0.01), np.arange(2.0, 3.0, 0.01)])
-    ax = plot_ground_force(Figure().add_subplot(), time, np.full(200, 400.0), np.full(200, 5.0), np.full(200, 401.0))
-    plate, predicted = ax.get_lines()
-    assert np.isnan(predicted.get_ydata()).sum() == np.isnan(plate.get_ydata()).sum() == 1
-    assert ax.get_ylabel() == "vertical force [N]"

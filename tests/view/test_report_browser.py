@@ -1,14 +1,9 @@
 """The report of an identification in a real Chromium: on a screen, and on a phone."""
 
-import base64
-import shutil
-import subprocess
 import time
 
-import numpy as np
 import pytest
 from browser import distance_to
-from PIL import Image
 
 import exoid
 from exoid.view.colours import CAD, IDENTIFIED
@@ -65,21 +60,3 @@ def test_the_page_fits_windows_of_any_width(browser, url, width):
         page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert page.evaluate("document.documentElement.clientWidth") == width
-
-
-def test_paper_holds_whole_rows_and_no_empty_page(browser, url, tmp_path):
-    reader = shutil.which("pdftotext")
-    if reader is None:
-        pytest.skip("no pdftotext on this machine (Debian: apt-get install poppler-utils)")
-    with browser.page(url) as page:
-        page.wait_for("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
-        hashes = page.evaluate("[...document.querySelectorAll('td.word')].map(t => t.textContent)")
-        data = page.send("Page.printToPDF", preferCSSPageSize=True)["data"]
-    (tmp_path / "report.pdf").write_bytes(base64.b64decode(data))
-    read = subprocess.run([reader, "-layout", tmp_path / "report.pdf", "-"], capture_output=True, check=True, text=True)
-    subprocess.run(["pdftoppm", "-r", "20", "-png", tmp_path / "report.pdf", tmp_path / "sheet"], check=True)
-    sheets = [np.asarray(Image.open(file).convert("L")) for file in sorted(tmp_path.glob("sheet*.png"))]
-    assert 2 < len(sheets) < 15
-    assert all((sheet < 200).mean() > 0.01 for sheet in sheets)  # no empty page
-    assert hashes
-    assert all(each in "".join(read.stdout.split()) for each in hashes)  # not cut at the margin

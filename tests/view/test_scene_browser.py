@@ -1,7 +1,6 @@
 """Scenes in a real Chromium: drawn by WebGL, without an error, without a network request."""
 
 import json
-import time
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from browser import distance_to
 import exoid
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
-from exoid.view.report.page import EmbeddedPage, Page, Section
 
 READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
 
@@ -105,38 +103,6 @@ def scrubbed(page, time):
         " s.dispatchEvent(new Event('input')); })()"
     )
     return page.screenshot()
-
-
-def framed(scenes):
-    """A page with scenes as elements, as in a notebook."""
-    elements = "".join(each.iframe(400) for each in scenes)
-    return f"<!DOCTYPE html><meta charset=utf-8><title>r</title><link rel=icon href='data:,'>{elements}"
-
-
-def reported(scenes):
-    """A report with scenes, whose frames may do nothing but draw."""
-    return Page(
-        "Two legs", ["Both stand."], [Section("Scenes", [EmbeddedPage(each.html(), each.title) for each in scenes])]
-    ).html()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("write", [framed, reported])
-def test_two_scenes_live_side_by_side_in_one_page(browser, tmp_path, write):
-    scenes = [scene(exoid.load_leg("bleex", "right")), scene(exoid.load_leg("cuhk"))]
-    (tmp_path / "page.html").write_text(write(scenes), "utf-8")
-    url = (tmp_path / "page.html").as_uri()
-    with browser.page(url, (700, 1300)) as page:
-        tops = page.evaluate("[...document.querySelectorAll('iframe')].map(f => f.getBoundingClientRect().top)")
-        assert len(tops) == 2
-        until = time.monotonic() + 60.0
-        shares = [0.0, 0.0]
-        while min(shares) < 0.01 and time.monotonic() < until:
-            picture = page.screenshot(f"two_scenes_{write.__name__}")
-            halves = [picture[round(top) : round(top) + 400, LEGEND:] for top in tops]
-            shares = [(half.min(axis=-1) < 120).mean() for half in halves]
-        assert min(shares) > 0.01
-        assert_quiet(page, url)
 
 
 @pytest.mark.slow

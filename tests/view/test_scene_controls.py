@@ -1,11 +1,7 @@
 """Controls of a scene in a real Chromium: keys, speed, numbers, torque plot, dark scheme, phone, paper."""
 
-from dataclasses import replace
-
 import numpy as np
-import pinocchio as pin
 import pytest
-from browser import distance_to
 
 from exoid.estimate import validate
 from exoid.view import scene
@@ -127,68 +123,3 @@ def test_the_torque_plot_follows_the_playback(browser, url, data, estimate):
                 clickCount=1,
             )
         assert page.evaluate(TIME) == pytest.approx(0.5 * data.test.duration, abs=0.1)
-
-
-def test_a_phone_shows_panels_inside_its_window(browser, url):
-    with browser.page(url, (390, 844)) as page:
-        page.wait_for(READY)
-        page.evaluate("document.querySelector('#legend').open = true")
-        click(page, "#show-plot")
-        page.screenshot("scene_phone")
-        assert page.evaluate("document.documentElement.scrollWidth") <= 390
-        for selector in ("#legend", "#player", "#player select", "#plot", "#plot svg"):
-            left, right = page.evaluate(
-                f"(b => [b.left, b.right])(document.querySelector('{selector}').getBoundingClientRect())"
-            )
-            assert left >= 0, selector
-            assert right <= 390, selector
-            assert right > left, selector
-
-
-def test_a_dark_scheme_has_a_dark_background(browser, url):
-    with browser.page(url) as page:
-        page.wait_for(READY)
-        light = page.screenshot("scene_light")
-        page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
-        page.wait_for("matchMedia('(prefers-color-scheme: dark)').matches")
-        dark = page.screenshot("scene_dark")
-        page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
-        page.wait_for("matchMedia('(prefers-color-scheme: light)').matches")
-        again = page.screenshot()
-    assert np.median(light) > 200
-    assert np.median(dark) < 80
-    np.testing.assert_array_equal(again, light)
-
-
-@pytest.mark.parametrize("size", [(800, 600), (390, 844)])
-def test_paper_has_the_scene_and_no_controls(browser, url, size):
-    with browser.page(url, size) as page:
-        page.wait_for(READY)
-        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-        # Whatever the window, whose size is not definite while it is printed.
-        still = page.evaluate("(c => [c.width, c.height])(document.querySelector('#still'))")
-        page.send("Emulation.setEmulatedMedia", media="print")
-        picture = page.screenshot("scene_paper")
-        for selector in ("#legend", "#player", "#meshcat-pane"):
-            assert page.evaluate(f"document.querySelector('{selector}').offsetHeight") == 0
-    assert still == [1600, 800]
-    share = 0.5 * size[0] / size[1]  # of the window that the picture covers
-    assert (picture.min(axis=-1) < 120).mean() > 0.02 * share
-    assert (distance_to(picture, "#ffffff") > 60).mean() < 0.6
-
-
-def test_the_camera_sees_ellipsoids_that_are_larger_than_the_leg(leg):
-    """As those of poor estimates are; the ground stays below the foot."""
-    model = leg.model.copy()
-    shank = model.inertias[2]
-    model.inertias[2] = pin.Inertia(shank.mass, shank.lever, shank.inertia + 8.0 * np.eye(3))
-    small, large = scene(leg), scene(replace(leg, model=model))
-    moments = np.linalg.eigvalsh(model.inertias[2].inertia)
-    longest = np.sqrt(2.5 * (moments.sum() - 2.0 * moments[0]) / shank.mass)
-    assert longest > small.camera.half_height
-    assert large.camera.half_height > 0.9 * longest
-    grounds = [
-        np.array(next(c for c in drawn.commands if c["path"] == "/exoid/ground" and "matrix" in c)["matrix"])
-        for drawn in (small, large)
-    ]
-    np.testing.assert_array_equal(*grounds)

@@ -9,8 +9,7 @@ from drawings import SHANK, leg_with, mesh_visual, meshes, objects
 
 from exoid import ExoidError
 from exoid.view import scene
-from exoid.view.scenes.meshes import LARGEST_MESH, MAX_TRIANGLES, read_mesh
-from exoid.view.scenes.urdf_visuals import PLAIN
+from exoid.view.scenes.meshes import MAX_TRIANGLES, read_mesh
 
 RED, BLUE = (200, 30, 40), (10, 60, 220)
 
@@ -52,12 +51,6 @@ def test_every_format_is_read_in_its_place_and_colours(ending, tmp_path):
         assert [mesh.colour for mesh in found] == [None]
 
 
-def test_a_mirrored_mesh_has_outward_normals(tmp_path):
-    trimesh.creation.icosphere(radius=0.1).export(tmp_path / "ball.stl")
-    (ball,) = read_mesh(str(tmp_path / "ball.stl"), [-1.0, 1.0, 1.0])
-    assert (np.einsum("ij,ij->i", ball.points, ball.normals) > 0.09).all()
-
-
 @pytest.mark.parametrize(
     ("material", "colours"),
     [
@@ -73,24 +66,6 @@ def test_a_material_of_the_urdf_comes_before_the_colours_of_the_file(material, c
     drawn = scene(leg_with(mesh_visual("shank.glb", material), green), meshes=tmp_path)
     assert drawn.notes == ()
     assert {f"#{material['color']:06x}" for _, material, _ in meshes(objects(drawn)[SHANK])} == colours
-
-
-def test_a_mesh_without_any_colour_is_grey(tmp_path):
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "shank.stl")
-    drawn = scene(leg_with(mesh_visual("shank.stl")), meshes=tmp_path)
-    assert [f"#{material['color']:06x}" for _, material, _ in meshes(objects(drawn)[SHANK])] == [PLAIN]
-
-
-def test_a_texture_becomes_its_mean_colour(tmp_path):
-    image = pytest.importorskip("PIL.Image")
-    box = trimesh.creation.box((0.1, 0.1, 0.1))
-    picture = image.fromarray(np.array([[[255, 0, 0], [0, 0, 255]]] * 2, dtype=np.uint8))
-    box.visual = trimesh.visual.TextureVisuals(
-        uv=np.zeros((8, 2)), material=trimesh.visual.material.PBRMaterial(baseColorTexture=picture)
-    )
-    box.export(tmp_path / "box.glb")
-    (found,) = read_mesh(str(tmp_path / "box.glb"), [1.0, 1.0, 1.0])
-    np.testing.assert_allclose([int(found.colour[k : k + 2], 16) for k in (1, 3, 5)], [127.5, 0.0, 127.5], atol=2.0)
 
 
 def test_a_mesh_takes_no_material_from_outside_of_its_folder(tmp_path):
@@ -122,12 +97,6 @@ def test_triangles_of_vertices_that_do_not_exist_are_refused(index, monkeypatch,
         read_mesh(str(tmp_path / "a.ply"), [1.0, 1.0, 1.0])
 
 
-def test_a_mesh_far_larger_than_a_machine_is_refused(tmp_path):
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "box.stl")
-    with pytest.raises(ExoidError, match="its size is 1e"):
-        read_mesh(str(tmp_path / "box.stl"), [100.0 * LARGEST_MESH, 1.0, 1.0])
-
-
 @pytest.mark.parametrize(
     ("filename", "said"),
     [
@@ -147,25 +116,6 @@ def test_names_that_lead_to_no_mesh_become_a_bar_and_a_note(filename, said, tmp_
     assert said in note
     assert "left_shank" in note
     assert "BoxGeometry" in {geometry["type"] for geometry, _, _ in meshes(objects(drawn)[SHANK])}
-
-
-@pytest.mark.parametrize(
-    "filename", ["meshes\\shänk ½.stl", "C:\\meshes\\shänk ½.stl", "package://éxo/meshes/shänk ½.stl"]
-)
-def test_paths_of_windows_and_names_beyond_ascii_are_found(filename, tmp_path):
-    folder = tmp_path / "éxo"
-    (folder / "meshes").mkdir(parents=True)
-    trimesh.creation.box((0.1, 0.1, 0.1)).export(folder / "meshes" / "shänk ½.stl")
-    drawn = scene(leg_with(mesh_visual(filename)), meshes=folder)
-    assert drawn.notes == ()
-    assert [geometry["type"] for geometry, _, _ in meshes(objects(drawn)[SHANK])] == ["BufferGeometry"]
-
-
-def test_a_shape_that_urdf_does_not_know_becomes_a_note(tmp_path):
-    capsule = "<visual><geometry><capsule radius='0.1' length='0.2'/></geometry></visual><visual/>"
-    drawn = scene(leg_with(capsule), meshes=tmp_path)
-    assert len(drawn.notes) == 2
-    assert all("'left_shank': a <visual> of no shape that is drawn" in note for note in drawn.notes)
 
 
 @pytest.mark.parametrize(

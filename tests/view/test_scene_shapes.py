@@ -25,22 +25,6 @@ def without_visuals(leg):
     return Leg.from_description(describe(text), leg.joint_names)
 
 
-def test_visuals_are_drawn_one_by_one_where_the_urdf_has_them(leg):
-    shank = meshes(objects(scene(leg))[SHANK])
-    visuals = leg.description.parse().findall("link[@name='left_shank']/visual")
-    assert len(shank) == len(visuals)
-    colours = {m.get("name"): m.find("color").get("rgba") for m in leg.description.parse().findall("material")}
-    for (geometry, material, place), visual in zip(shank, visuals, strict=True):
-        (shape,) = visual.find("geometry")
-        assert geometry["type"] == {"box": KINDS[0], "cylinder": KINDS[1], "sphere": KINDS[2]}[shape.tag]
-        np.testing.assert_allclose(
-            place[:3, 3], [float(x) for x in visual.find("origin").get("xyz").split()], atol=1e-6
-        )
-        rgb = [float(x) for x in colours[visual.find("material").get("name")].split()[:3]]
-        expected = sum(round(255 * value) << shift for value, shift in zip(rgb, (16, 8, 0), strict=True))
-        assert material["color"] == expected
-
-
 def test_a_cylinder_is_drawn_along_its_z_axis():
     """URDF's cylinders are along z, three.js's along y."""
     text = exoid.load_leg("bleex").description.text
@@ -93,15 +77,6 @@ def test_meshes_are_found_beside_the_urdf_and_in_its_package(filename, tmp_path)
     assert drawn.notes == ()
 
 
-def test_packages_are_found_on_the_path_of_ros(tmp_path, monkeypatch):
-    (tmp_path / "my_exo").mkdir()
-    (tmp_path / "my_exo" / "a.stl").write_text("solid")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{tmp_path}")
-    assert find_mesh("package://my_exo/a.stl", None) == tmp_path / "my_exo" / "a.stl"
-    with pytest.raises(FileNotFoundError, match="other"):
-        find_mesh("package://other/a.stl", None)
-
-
 def test_a_urdf_cannot_put_any_file_of_the_machine_into_a_page(tmp_path, monkeypatch):
     """Only files below the URDF's folder, and in packages, are found; others are named and left out."""
     monkeypatch.chdir(tmp_path)
@@ -122,23 +97,6 @@ def test_a_urdf_cannot_put_any_file_of_the_machine_into_a_page(tmp_path, monkeyp
         drawn = scene(leg_with(mesh_visual(name)), meshes=inside)
         assert len(drawn.notes) == 1
         assert name in drawn.notes[0]
-
-
-def test_a_mesh_elsewhere_in_the_urdfs_package_is_found(tmp_path):
-    for folder in ("exo/robots/urdf", "exo/meshes", "other/meshes"):
-        (tmp_path / folder).mkdir(parents=True)
-    for package in ("exo", "other"):
-        (tmp_path / package / "package.xml").write_text("<package/>")
-        write_ball(tmp_path / package / "meshes" / "a.stl")
-    for name in ("../../meshes/a.stl", "package://exo/meshes/a.stl", "package://other/meshes/a.stl"):
-        found = find_mesh(name, tmp_path / "exo" / "robots" / "urdf")
-        assert found.samefile(tmp_path / ("other" if "other" in name else "exo") / "meshes" / "a.stl")
-
-
-@pytest.mark.parametrize("name", ["x" * 300 + ".stl", "package://exo/" + "x" * 300, "nul\0.stl"])
-def test_names_that_no_file_can_have_are_not_found(name, tmp_path):
-    with pytest.raises(FileNotFoundError, match="not found"):
-        find_mesh(name, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,9 @@ from scipy.spatial.transform import Rotation
 from standing import mirrored, standing
 
 import exoid
-from exoid import BaseMotion, ExoidError, Wrench
+from exoid import BaseMotion
 from exoid.signals.link_wrenches import link_placements
-from exoid.torques.contacts import level_rotation
 from exoid.view import scene
-from exoid.view.scenes.leg_geometry import LegGeometry
-from exoid.view.scenes.standing import level_points
 
 FEET = ("left_foot", "right_foot")
 
@@ -79,41 +76,6 @@ def test_arrows_are_the_measured_forces_from_the_centre_of_pressure(exo, log):
             assert start[2] == pytest.approx(floor, abs=1e-3)
 
 
-def test_each_foot_has_its_force_and_its_centre_of_pressure(exo, log):
-    left = log.time < 2.5
-    drawn = scene(exo, recording=replace(log, contacts={"left_foot": left, "right_foot": log.time > 0.0}))
-    feet = {each["name"]: each for each in drawn.to_json()["joints"] if each["foot"]}
-    assert set(feet) == set(FEET)
-    for link, each in feet.items():
-        assert (each["unit"], each["torque_unit"], each["measured"], each["predicted"]) == ("mm CoP", "N", True, None)
-        assert each["path"] in {command["path"] for command in drawn.commands if "path" in command}
-        wrench, height = log.wrenches[link], drawn_height(exo, link)
-        for frame in (15, 60):
-            k = round(250 * frame / 30)
-            force, moment = (level_rotation(exo, link) @ x[k] for x in (wrench.force, wrench.moment))
-            assert each["torque"][frame] == pytest.approx(force[2], rel=1e-3)
-            forward = height * force[0] - moment[1]
-            assert each["angle"][frame] == pytest.approx(1e3 * forward / force[2], abs=0.5)
-    assert set(feet["left_foot"]["torque"][80:]) == {0.0}, "a foot in the air carries nothing"
-    assert min(feet["right_foot"]["torque"][80:]) > 10.0
-
-
-def drawn_height(exo, link):
-    """Height of the sole above the origin of its link [m]."""
-    return float(level_points(LegGeometry.of(exo, (), None), link)[:, 2].min())
-
-
-def test_steps_continue_where_the_other_foot_rests(exo, log):
-    left = log.time < 2.5
-    stepping = replace(log, contacts={"left_foot": left, "right_foot": log.time > 1.5})
-    drawn = scene(exo, recording=stepping)
-    for link, times in (("left_foot", (0.0, 1.0, 2.0)), ("right_foot", (2.0, 3.0, 3.8))):
-        found = np.array([foot(exo, drawn, log, link, t)[1] for t in times])
-        assert np.abs(found - found[0]).max() < 1e-3
-    arrow = places(drawn, 3.5)["/exoid/measured ground force left_foot/arrow"]
-    assert np.linalg.norm(arrow[:3, 2]) < 2e-3
-
-
 @pytest.mark.slow
 def test_feet_on_points_carry_a_torso_that_sways_and_turns():
     """Joint angles by Newton's method for a pose of the torso; one foot is up in the second half."""
@@ -154,13 +116,6 @@ def test_a_recorded_pose_moves_the_torso(exo, log):
     np.testing.assert_allclose(weight[:3, 2], [0.0, 0.0, -1.0], atol=1e-4)
 
 
-def test_a_wrench_in_the_laboratory_without_a_pose_is_refused(exo, log):
-    count = len(log)
-    world = Wrench(np.tile([0.0, 0.0, 300.0], (count, 1)), np.zeros((count, 3)), axes="world")
-    with pytest.raises(ExoidError, match="pose of the base is not known"):
-        scene(exo, recording=replace(log, wrenches={"left_foot": world}))
-
-
 @pytest.mark.slow
 def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
     log = standing(exo, "left", seconds=4.0, seed=5)
@@ -178,14 +133,6 @@ def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
     assert np.isnan(left.torque).all()  # no plate
     exact = log.wrenches["left_foot"].force[(250 * np.arange(30, 90) / 30).round().astype(int), 2]
     np.testing.assert_allclose(left.predicted[30:90], exact, rtol=0.02)
-
-
-@pytest.mark.slow
-def test_forces_that_cannot_be_predicted_are_noted(estimate, log):
-    place = np.tile([0.0, 0.0, 1.5], (len(log), 1))
-    pose = BaseMotion.from_pose(place, np.tile([0.0, 0.0, 0.0, 1.0], (len(log), 1)), log.time)
-    drawn = scene(estimate, recording=replace(log, base=pose, contacts={}, wrenches={}))
-    assert any("not predicted" in note for note in drawn.notes)
 
 
 @pytest.mark.parametrize(
