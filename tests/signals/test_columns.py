@@ -1,7 +1,5 @@
 """Currents and forces of logs; scale, zero and unit of columns; numbers behind a comment; joints without torque."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from log_writers import write_columns
@@ -65,12 +63,6 @@ def test_spellings_of_a_unit_are_one(raw, unit):
     np.testing.assert_allclose(log.tau[:, 0], CURRENT[:, 0], rtol=1e-12)
 
 
-def test_a_unit_goes_before_degrees_of_the_whole_file(tmp_path):
-    path = write_columns(tmp_path / "log.csv", time=T, q_hip=np.rad2deg(Q[:, 0]), k=1000.0 * Q[:, 1])
-    log = Recording.from_csv(path, columns={"q_knee": Column("k", unit="mrad")}, angle_unit="deg")
-    np.testing.assert_allclose(log.q, Q, rtol=1e-12)
-
-
 def test_amperes_are_not_taken_for_torque(raw):
     with pytest.raises(ExoidError, match="its name says that it is a current") as caught:
         Recording.from_file(raw, columns={**BASE, "tau_hip": "cur"})
@@ -103,14 +95,6 @@ def test_a_comment_of_numpy_heads_columns_separated_by_spaces(tmp_path):
     np.testing.assert_array_equal(Recording.from_file(tmp_path / "log.txt").q, Q)
 
 
-@pytest.mark.parametrize("kind", ["csv", "npz", "parquet"])
-def test_torque_may_be_there_for_some_joints_only(kind, tmp_path):
-    columns = {"time": T, "q_hip": Q[:, 0], "q_knee": Q[:, 1], "tau_knee": T}
-    log = Recording.from_file(write_columns(tmp_path / f"log.{kind}", **columns))
-    assert log.measured.tolist() == [False, True]
-    assert "torque not measured: hip" in repr(log)
-
-
 def test_a_column_without_any_entry_was_not_measured(tmp_path):
     path = tmp_path / "log.csv"
     rows = [f"{t},{a},{b},,{t}" for t, (a, b) in zip(T.tolist(), Q.tolist(), strict=True)]
@@ -131,8 +115,3 @@ def test_the_torque_of_a_passive_joint_is_zero():
     assert log.select(("hip",)).passive == ()
     assert log.slice(0, 20).passive == ("knee",)
     assert recording(force=None, tau=np.full((40, 2), [0.3, np.nan]), passive=("knee",)).tau[3].tolist() == [0.3, 0.0]
-
-
-def test_a_joint_that_was_driven_is_passive_where_its_torque_is_left_out():
-    log = recording(tau=np.column_stack([T, np.sin(T)]))
-    assert dataclasses.replace(log, tau=None, force=None, passive=("knee",)).measured.tolist() == [False, True]

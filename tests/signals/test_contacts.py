@@ -36,12 +36,6 @@ def test_hysteresis_finds_each_step_once_in_noise(seed):
     assert load[~contact].max() < 0.1 * 800.0 + 50.0
 
 
-def test_the_normal_force_is_along_up():
-    up = np.array([0.6, 0.0, 0.8])
-    tilted = foot(800.0 * STEPS, up=up)
-    assert np.array_equal(contacts_from_wrench(tilted, up=2.0 * up), contacts_from_wrench(foot(800.0 * STEPS)))
-
-
 def test_an_impact_does_not_raise_the_thresholds():
     hit = 800.0 * STEPS
     hit[200:210] = 8000.0
@@ -82,12 +76,3 @@ def test_contacts_that_contradict_the_force_are_refused(force, contact, message,
     with pytest.raises(ExoidError, match=message) as error:
         Recording.from_csv(tmp_path / "log.csv")
     assert str(tmp_path / "log.csv") in error.value.where
-
-
-def test_contacts_with_some_errors_and_swings_without_contact_are_read():
-    contact = STEPS > 0.0
-    wrong = np.random.default_rng(0).random(len(contact)) < 0.05
-    swing = foot(np.zeros_like(STEPS), noise=3.0)
-    for force, touching in ((foot(800.0 * STEPS), contact ^ wrong), (swing, 0.0 * STEPS), (swing, 0.0 * STEPS)):
-        refuse_contradictions(TIME, {"left_foot": force}, {"left_foot": np.asarray(touching, dtype=bool)})
-    refuse_contradictions(TIME, {"left_foot": foot(800.0 * STEPS)}, {"right_foot": ~contact})

@@ -68,11 +68,6 @@ def test_delimiters_line_endings_and_byte_order_marks_do_not_matter(log, delimit
         np.testing.assert_array_equal(getattr(recording, name), getattr(plain, name))
 
 
-def test_quoted_cells_are_read_and_quoted_text_in_other_columns_may_hold_delimiters(log):
-    lines = ['"time","q_hip",note', *(f'"{0.01 * k}","{0.1 * k}","a, b"' for k in range(12))]
-    assert Recording.from_csv(log(lines)).q[3, 0] == 0.1 * 3
-
-
 def test_degrees_apply_to_angles_velocities_and_accelerations_but_not_to_torques(log):
     lines = ["time,q_hip,v_hip,a_hip,tau_hip", *(f"{0.01 * k},{9.0 * k},900.0,0.0,9.0" for k in range(12))]
     recording = Recording.from_csv(log(lines), angle_unit="deg")
@@ -119,16 +114,6 @@ def test_every_recording_reads_back_bit_by_bit(recording):
         assert (written is None) == (read is None)
         if written is not None:
             assert written.tobytes() == read.tobytes()
-
-
-def test_two_columns_of_one_name_that_nobody_reads_do_no_harm(log):
-    path = log(["time,q_hip,Unused,Unused", *(f"{k / 100},0.1,text,0" for k in range(10))])
-    assert len(Recording.from_csv(path)) == 10
-
-
-def test_a_column_with_a_foreign_header_is_named_by_both(log):
-    lines = [HEADER.replace("q_knee", "pos2"), *ROWS[:3], "0.06,0.1,nan,1,0.1", *ROWS[4:]]
-    refused(log(lines), r"line 5, column pos2 \(q_knee\): nan", columns={"q_knee": "pos2"})
 
 
 @pytest.mark.parametrize("read", [Recording.from_csv, Recording.from_file, Recordings.from_folder])

@@ -8,7 +8,7 @@ import pytest
 from one_joint import write_urdf
 
 import exoid
-from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Recording, ZeroPhase, choose_cutoff
 
 
 def log(noise=0.0, rate=500.0, seconds=20.0, seed=0, amplitude=0.4, joints=2):
@@ -71,12 +71,6 @@ def test_a_short_recording_keeps_half_of_its_samples():
     assert 2 * ZeroPhase(cutoff).edge(100.0) <= 0.5 * len(short)
 
 
-def test_recorded_accelerations_and_poses_do_not_count():
-    noisy = log(1e-2)
-    assert choose_cutoff([dataclasses.replace(noisy, a=np.zeros_like(noisy.q))]) == 8.0
-    assert choose_cutoff([Poses(np.zeros((4, 2)), np.zeros((4, 2)), ("a", "b"))]) == 8.0
-
-
 @pytest.mark.parametrize("recorded", [False, True])
 @pytest.mark.parametrize("rate", [5.0, 10.0, 20.0, 25.0])
 def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate, recorded):
@@ -89,9 +83,3 @@ def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate, recorded):
     assert choose_cutoff([log]) == pytest.approx(0.2 * rate)
     estimate = exoid.identify(leg, log)
     np.testing.assert_allclose([estimate["X1"].value, estimate["J1"].value], leg.parameters[[0, 2]], rtol=0.02)
-
-
-def test_quantisation_counts_as_noise():
-    step = np.sqrt(12.0) * 1e-3
-    rounded = dataclasses.replace(log(), q=np.rint(log().q / step) * step)
-    assert choose_cutoff([rounded]) == pytest.approx(choose_cutoff([log(1e-3)]), abs=2.0)

@@ -6,15 +6,11 @@ import numpy as np
 import pytest
 from log_writers import write_columns
 
-from exoid.identification.findings.sample import averaged
-from exoid.identification.recording_summary import evidence
-from exoid.signals import Column, Recording, ZeroPhase
+from exoid.signals import Recording
 
 TIME = np.arange(40) / 20.0
 NAMES = ("hip", "knee")
 NOTHING = np.full(40, np.nan)
-PUSH = 25.0 + 10.0 * (1.0 - np.exp(-TIME))
-
 CHANNELS = {
     "current": ("i", 3.0 + np.sin(9.0 * TIME), "mA", 1e3, 0.0),
     "force": ("f", 500.0 * np.cos(7.0 * TIME), "kN", 1e-3, 0.0),
@@ -74,32 +70,6 @@ def test_a_matrix_has_the_name_of_the_quantity_or_of_its_columns(channel, kind, 
         np.testing.assert_array_equal(getattr(Recording.from_file(path, NAMES), name), both)
 
 
-def test_another_unit_scale_and_zero_give_the_same(channel, tmp_path):
-    name, prefix, values, unit, factor, zero = channel
-    readings = factor * values + zero
-    path = write_columns(tmp_path / "log.csv", time=TIME, q_hip=0.1 * TIME, raw=readings, tenths=10.0 * readings + 5.0)
-    for column in (Column("raw", unit=unit), Column("tenths", scale=0.1, zero=5.0, unit=unit)):
-        read = Recording.from_csv(path, columns={f"{prefix}_hip": column})
-        np.testing.assert_allclose(getattr(read, name)[:, 0], values, rtol=1e-12, atol=1e-9)
-
-
 def test_a_matrix_of_another_width_is_no_force_of_the_joints(tmp_path):
     np.savez(tmp_path / "plate.npz", time=TIME, q=np.zeros((40, 2)), force=np.ones((40, 6)), joint_names=NAMES)
     assert Recording.from_file(tmp_path / "plate.npz").force is None
-
-
-def test_a_channel_counts_in_the_hash_and_in_the_average():
-    given = recording(force=np.column_stack([NOTHING, PUSH]))
-    other = dataclasses.replace(given, force=given.force + 1.0)
-    assert evidence(given).sha256 != evidence(other).sha256
-    time = np.arange(8000) / 2000.0
-    fast = Recording(time, 0.1 * np.sin(time)[:, None], joint_names=("hip",), force=20.0 + time[:, None])
-    mean = averaged(fast, ZeroPhase(5.0))
-    assert len(mean) < len(fast)
-    np.testing.assert_allclose(mean.force[:, 0], 20.0 + mean.time, atol=1e-9)
-
-
-def test_joints_whose_torque_was_computed_stay_known():
-    given = recording(tau=np.ones((40, 2)), computed=("knee",))
-    assert given.between(0.5, 1.5).computed == ("knee",)
-    assert given.select(("hip",)).computed == ()

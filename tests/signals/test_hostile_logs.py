@@ -101,18 +101,6 @@ def test_a_reader_that_hangs_is_killed(monkeypatch):
         read_in_child(hostile_readers.hang, "log.bad")
 
 
-@posix
-def test_a_fork_of_the_caller_has_a_child_of_its_own():
-    here = read_in_child(hostile_readers.echo, "a")["pid"]
-    fork = os.fork()
-    if not fork:
-        there = read_in_child(hostile_readers.echo, "a")["pid"]
-        reader_process._end()
-        os._exit(0 if there != here else 1)
-    assert os.waitpid(fork, 0)[1] == 0
-    assert read_in_child(hostile_readers.echo, "a")["pid"] == here
-
-
 @pytest.mark.slow
 @posix
 def test_the_child_ends_with_its_caller(tmp_path):
@@ -207,17 +195,6 @@ def test_an_archive_that_expands_far_beyond_what_measurements_do_is_refused(tmp_
     refused(tmp_path / "log.npz", "not plausible for measurements")
 
 
-def test_measurements_compress_far_less_than_the_limit(tmp_path):
-    """Angles of a 16-bit encoder and torques with noise, as a logger writes them."""
-    rng, time_ = np.random.default_rng(0), np.arange(50_000) / 1000.0
-    q = np.round(np.sin(np.outer(time_, [1.0, 2.0])) * 2**15 / np.pi) * np.pi / 2**15
-    tau = np.round((10.0 * np.cos(q) + 0.1 * rng.normal(size=q.shape)) * 100.0) / 100.0
-    np.savez_compressed(tmp_path / "log.npz", time=time_, q=q, tau=tau, joint_names=["hip", "knee"])
-    expansion = (time_.nbytes + q.nbytes + tau.nbytes) / (tmp_path / "log.npz").stat().st_size
-    assert expansion < file_bounds.MOST_EXPANSION / 5.0
-    assert len(Recording.from_file(tmp_path / "log.npz")) == 50_000
-
-
 @pytest.mark.parametrize("kind", ["csv", "parquet", "npz"])
 def test_more_columns_than_any_robot_has_are_refused(kind, tmp_path):
     names = ["time", *(f"q_{k}" for k in range(MOST_COLUMNS))]
@@ -248,16 +225,6 @@ def test_a_sparse_csv_of_3_gb_is_refused_in_300_mb(tmp_path):
     memory, _, message = done.stdout.partition(" ")
     assert message.startswith(str(path))
     assert int(memory) < 300_000  # kB
-
-
-def test_blank_lines_and_comments_are_no_obstacle_and_count_as_lines(tmp_path):
-    rows = "".join(f"{k / 10},0.5\r\r\n" for k in range(40))
-    for end, wrong in (("", 0), ("x,0\r\r\n" + 300_000 * "\n", 83)):
-        (tmp_path / "log.csv").write_text(f"# from a logger\r\r\ntime,q_hip\r\r\n{rows}{end}", newline="")
-        if wrong:
-            refused(tmp_path / "log.csv", f"log.csv, line {wrong}|log.csv, line {wrong + 2}")
-        else:
-            assert Recording.from_file(tmp_path / "log.csv").time.tolist() == [k / 10 for k in range(40)]
 
 
 @pytest.mark.slow

@@ -7,25 +7,13 @@ import pinocchio as pin
 import pytest
 from public_robots import urdf_of
 from scipy.spatial.transform import Rotation
-from walking import Walk
 
 import exoid
 from exoid import BaseMotion, BasePose, ExoidError, Leg, Recording, TorsoMotion, Wrench
-from exoid.leg.description import describe
 from exoid.signals import link_placement, wrenches_on_links
 from exoid.signals.link_wrenches import refuse_unknown_links
 
 N = 60
-
-TWINS = """<robot name="twins"><link name="base"/>
-<link name="knee"><inertial><origin xyz="0.01 0 -0.2"/><mass value="2"/>
-<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="sole"><inertial><mass value="1"/>
-<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="knee" type="revolute"><parent link="base"/><child link="knee"/><origin xyz="0 0 -1"/><axis xyz="0 1 0"/>
-<limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
-<joint name="sole" type="fixed"><parent link="knee"/><child link="sole"/><origin xyz="0 0 -0.4"/></joint></robot>"""
-"""A link that is named like the joint that carries it, and one on a fixed joint."""
 
 TIME = np.arange(N) / 50.0
 
@@ -115,20 +103,3 @@ def test_links_that_the_leg_does_not_have_are_refused_by_name(leg):
         wrenches_on_links(leg, dataclasses.replace(recording, wrenches={"left_fot": own}))
     with pytest.raises(ExoidError, match="no link 'left_fot'"):
         link_placement(leg, recording, "left_fot")
-
-
-def test_links_may_be_named_like_joints_and_be_fixed_to_others():
-    leg = Leg.from_description(describe(TWINS), ("knee",))
-    bent = Recording(TIME, np.full((N, 1), 0.4), joint_names=("knee",))
-    for link, height in (("knee", 0.0), ("sole", -0.4)):
-        refuse_unknown_links(leg, dataclasses.replace(bent, contacts={link: np.ones(N)}))
-        place = link_placement(leg, bent, link)
-        assert np.allclose(place.rotation, Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix())
-        assert np.allclose(place.translation, [height * np.sin(0.4), 0.0, height * np.cos(0.4) - 1.0])
-
-
-def test_the_pose_of_a_base_with_an_imu_alone_is_not_known():
-    leg = exoid.load_leg("cuhk")
-    walked = Walk(leg, seconds=12.0).recording()
-    with pytest.raises(ExoidError, match="an IMU does not measure it"):
-        link_placement(leg, walked, leg.link_names[-1])

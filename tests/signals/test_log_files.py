@@ -6,10 +6,8 @@ import hashlib
 import pickle
 import re
 import shutil
-import struct
 import sys
 import tempfile
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +16,7 @@ import pytest
 import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_writers import BAGS, WRITERS, arrays, messages, named_columns, write_bag, write_mcap, write_sqlite
+from log_writers import BAGS, WRITERS, arrays, messages, named_columns, write_bag
 
 from exoid import ExoidError
 from exoid.signals import Recording
@@ -131,23 +129,6 @@ def test_whatever_the_kind_a_value_that_is_missing_is_named_by_its_place(one_kin
     assert f"{one_kind}, {place}, column tau_knee" in message
 
 
-def test_whatever_the_kind_repeated_and_reversed_time_is_named_by_its_place(one_kind, tmp_path):
-    for stamp, words in ((0.19, "is repeated"), (0.1, "runs backwards")):
-        recording = swing()
-        time = recording.time.copy()
-        time[20] = stamp
-        object.__setattr__(recording, "time", time)
-        path = tmp_path / words / one_kind
-        path.parent.mkdir()
-        WRITERS[one_kind](path, recording)
-        if one_kind in BAGS and words == "runs backwards":
-            continue  # messages are kept in the order of their arrival, which the writer took from the stamps
-        row = {"log.mat": "row 21", "struct.mat": "row 21"}.get(
-            one_kind, "message 20" if one_kind in BAGS else "row 20"
-        )
-        assert f"{one_kind}, {row}" in refused(path, f"time {words}")
-
-
 names = st.text("abcdefghijklmnopqrstuvwxyz_ 0123456789", min_size=1, max_size=12).filter(lambda x: x == x.strip())
 
 
@@ -195,15 +176,6 @@ def test_parquet_may_hold_dates_integers_decimals_and_columns_that_do_not_matter
     assert "column mode" in message
 
 
-def test_the_name_of_a_parquet_file_is_not_a_pattern(tmp_path):
-    for folder, seed in (("a=1", 1), ("b", 2)):
-        (tmp_path / folder).mkdir()
-        WRITERS["log.parquet"](tmp_path / folder / "log[12].parquet", swing(seed=seed))
-        WRITERS["log.parquet"](tmp_path / folder / "log1.parquet", swing(seed=seed + 5))
-        again = Recording.from_file(tmp_path / folder / "log[12].parquet")
-        np.testing.assert_array_equal(again.q, swing(seed=seed).q)
-
-
 # NumPy and MATLAB
 
 
@@ -245,13 +217,6 @@ def test_a_pickle_is_never_opened(tmp_path):
     assert not trap.exists()
 
 
-def test_a_single_array_and_hdf5_are_named_for_what_they_are(tmp_path):
-    np.save(tmp_path / "log.npy", swing().q)
-    refused(tmp_path / "log.npy", "a single array")
-    (tmp_path / "log.mat").write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512) + b"\x89HDF\r\n\x1a\n")
-    assert "'-v7'" in refused(tmp_path / "log.mat", "HDF5")
-
-
 def test_matlab_version_4_is_read(tmp_path):
     recording = swing()
     columns = {name: values[:, None] for name, values in named_columns(recording).items()}
@@ -269,15 +234,6 @@ def test_fields_of_one_struct_among_other_variables_are_mapped_by_their_path(tmp
 
 
 # Bags
-
-
-def test_a_single_file_of_a_bag_needs_no_folder(tmp_path):
-    recording = swing(a=None)
-    for write, ending in ((write_mcap, "mcap"), (write_sqlite, "db3")):
-        write(tmp_path / ending, recording)
-        (file,) = (tmp_path / ending).glob(f"*.{ending}")
-        shutil.move(file, tmp_path / f"alone.{ending}")
-        np.testing.assert_array_equal(Recording.from_file(tmp_path / f"alone.{ending}").tau, recording.tau)
 
 
 def test_joints_in_another_order_in_each_message_are_put_in_one(tmp_path):
@@ -383,12 +339,3 @@ def test_a_file_that_ends_too_early_is_refused_wherever_it_ends(kind, tmp_path):
         result = outcome(path, resample=False)
         if isinstance(result, Recording):  # a log that was cut off between two of its rows
             np.testing.assert_array_equal(result.q, swing().q[: len(result)])
-
-
-def test_a_damaged_compressed_element_of_a_mat_file_is_refused(tmp_path):
-    path = tmp_path / "log.mat"
-    element = zlib.compress(struct.pack("<II", 14, 4_000_000_000))
-    path.write_bytes(
-        b"MATLAB 5.0".ljust(124) + struct.pack("<H", 0x0100) + b"IM" + struct.pack("<II", 15, len(element)) + element
-    )
-    refused(path, "cannot be read as a MATLAB file|would become 4000 MB in memory")

@@ -26,17 +26,6 @@ def test_segments_of_segments_are_what_both_have_in_common():
     np.testing.assert_array_equal(np.flatnonzero(twice.mask), range(20, 30))
 
 
-def test_overlapping_segments_are_one():
-    assert len(walk().segments([(0.1, 0.3), (0.2, 0.6)]).segment_times) == 1
-
-
-def test_slices_and_selections_keep_the_mask():
-    masked = walk().segments(SPANS)
-    np.testing.assert_array_equal(masked.slice(20, 120).mask, masked.mask[20:120])
-    np.testing.assert_array_equal(masked.between(0.2, 1.2).mask, masked.mask[20:120])
-    np.testing.assert_array_equal(masked.select(("knee",)).mask, masked.mask)
-
-
 def test_a_sample_of_a_resampled_recording_counts_if_both_neighbours_did():
     rng = np.random.default_rng(0)
     uneven = walk(time=TIME + rng.uniform(-2e-3, 2e-3, 200)).segments([(0.5, 1.0)])
@@ -53,11 +42,3 @@ def test_a_csv_log_keeps_the_mask_as_a_column(tmp_path):
     assert Recording.from_csv(tmp_path / "log.csv").mask is None
     (read,) = Recordings.from_files([tmp_path / "log.csv"], mask="mask")
     np.testing.assert_array_equal(read.mask, masked.mask)
-
-
-def test_a_column_of_any_name_and_an_npz_log_can_be_the_mask(tmp_path):
-    log = walk()
-    swing = (TIME > 1.0).astype(np.int64)
-    np.savez(tmp_path / "log.npz", time=TIME, q=log.q, tau=log.tau, joint_names=log.joint_names, swing=swing)
-    read = Recording.from_file(tmp_path / "log.npz", mask="swing")
-    np.testing.assert_array_equal(read.mask, swing == 1)

@@ -8,7 +8,7 @@ from log_writers import write_opensim
 import exoid
 from exoid import ExoidError, Recording
 from exoid.leg.catalog import urdf_folder
-from exoid.signals import Column, read_opensim, read_opensim_forces, wrenches_on_links
+from exoid.signals import read_opensim, read_opensim_forces, wrenches_on_links
 
 TIME = np.arange(200) / 100.0
 ANGLE = 30.0 * np.sin(TIME)
@@ -66,16 +66,6 @@ def test_headers_of_every_version_say_how_angles_are_read(tmp_path, header, degr
     recording = Recording.from_file(tmp_path / "a.sto", columns={"q_knee": "knee"})
     expected = np.deg2rad(ANGLE / 30.0) if degrees else ANGLE / 30.0
     np.testing.assert_allclose(recording.q[:, 0], expected, rtol=1e-15)
-
-
-def test_degrees_are_converted_once_whoever_says_so(tmp_path):
-    write_opensim(tmp_path / "a.mot", TIME, {"knee": ANGLE}, degrees=True)
-    plain = Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"})
-    for other in (
-        Recording.from_file(tmp_path / "a.mot", columns={"q_knee": "knee"}, angle_unit="deg"),
-        Recording.from_file(tmp_path / "a.mot", columns={"q_knee": Column("knee", unit="deg")}),
-    ):
-        np.testing.assert_allclose(other.q, plain.q, rtol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -45,15 +45,3 @@ def test_sums_of_products_over_every_pace_th_row_are_those_over_all_rows(rate, c
     few = parallel.among_zeros(x, rows[:: parallel.stride])
     scale = np.sqrt(np.multiply.outer(np.mean(every**2, axis=1), np.mean(every**2, axis=1)))
     np.testing.assert_allclose(few @ few.T / few.shape[1] / scale, every @ every.T / every.shape[1] / scale, atol=1e-3)
-
-
-def test_samples_that_do_not_count_are_zero():
-    parallel, x = ParallelFilter(500.0, 8.0), signals()
-    counted = np.random.default_rng(3).random(x.shape[1]) > 0.2
-    rows = range(0, x.shape[1], parallel.stride)
-    np.testing.assert_array_equal(parallel.among_zeros(x, rows, counted), parallel.among_zeros(x * counted, rows))
-    silence = np.zeros((len(x), parallel.reach))
-    padded = parallel.among_zeros(
-        np.hstack([silence, x * counted, silence]), range(parallel.reach, parallel.reach + x.shape[1], rows.step)
-    )
-    np.testing.assert_allclose(parallel.among_zeros(x, rows, counted), padded, atol=1e-13)

@@ -5,9 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from exoid import ExoidError
 from exoid.signals import FiniteDifference, MovingAverage, Recording, ZeroPhase
-from exoid.signals.preparation import preparation_from_json, preparation_to_json
 
 FREQUENCIES = 2.0 * np.pi * np.array([0.3, 0.7, 1.3, 2.1])
 AMPLITUDES = np.array([0.4, 0.2, 0.08, 0.04])
@@ -76,17 +74,6 @@ def test_an_uneven_recording_is_resampled_first(way):
     for found, expected in zip(kinematics[:3], way.kinematics(even)[:3], strict=True):
         np.testing.assert_array_equal(found, expected)
     assert len(kinematics.q) == len(even)
-
-
-@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)
-def test_a_preparation_names_itself_and_its_settings_and_does_not_change(way):
-    described = preparation_to_json(way)
-    assert described["name"] == way.name
-    assert preparation_from_json(described) == way
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        way.cutoff = 1.0
-    with pytest.raises(ExoidError, match="does not take"):
-        preparation_from_json({**described, "alpha" if "alpha" in described else "cutoff": True})
 
 
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.name)

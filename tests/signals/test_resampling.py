@@ -33,17 +33,6 @@ def test_stamps_count_as_even_up_to_a_thousandth_of_an_interval(jitter, uniform)
     assert recorded(jittered(jitter=jitter)).is_uniform is uniform
 
 
-def test_the_rate_of_uneven_stamps_does_not_suffer_from_lost_samples():
-    time = np.delete(np.arange(300) / 100.0, [50, 51, 52, 120, 200, 201])
-    assert recorded(time).sample_rate == pytest.approx(100.0, rel=1e-9)
-    assert recorded(time).resampled().sample_rate == pytest.approx(100.0, rel=1e-9)
-
-
-def test_an_even_recording_is_returned_as_it_is():
-    recording = recorded(np.arange(200) / 100.0)
-    assert recording.resampled() is recording
-
-
 @given(seed=st.integers(0, 2**32 - 1), jitter=st.floats(0.01, 0.6), rate=st.floats(60.0, 1000.0))
 @settings(max_examples=40, deadline=None)
 def test_resampling_preserves_a_smooth_motion_to_a_bound(seed, jitter, rate):
@@ -70,23 +59,8 @@ def test_acceleration_survives_resampling_which_a_monotone_curve_through_the_ang
     assert np.abs(error[5:-5]).max() < 0.02 * np.abs(exact).max()
 
 
-def test_stamps_that_arrive_in_bursts_do_not_make_the_curve_swing():
-    time = np.arange(400) / 100.0
-    time[50::50] = time[49::50][: len(time[50::50])] + 1e-6
-    q, _ = motion(np.arange(400) / 100.0)
-    even = Recording(time=time, q=np.round(q, 3), joint_names=("hip", "knee")).resampled()
-    assert np.abs(even.q - motion(even.time)[0]).max() < 0.02
-
-
 def test_a_gap_is_refused_with_its_row_and_length_and_the_advice_to_split():
     time = np.arange(300) / 100.0
     time[120:] += 0.25
     with pytest.raises(ExoidError, match=r"^row 120: a gap of 0\.26 s .*limit 0\.1 s; 1 in all.*split the log there"):
         recorded(time).resampled()
-
-
-def test_a_fast_log_may_lose_twenty_milliseconds():
-    time = np.arange(3000) / 1000.0
-    assert recorded(np.delete(time, slice(500, 518))).resampled().is_uniform
-    with pytest.raises(ExoidError, match=r"a gap of 0\.022 s"):
-        recorded(np.delete(time, slice(500, 521))).resampled()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exoid.signals import ParallelFilter
-from exoid.signals.filters.reversals import around_stops, reversal_pulses
+from exoid.signals.filters.reversals import reversal_pulses
 from exoid.signals.filters.reversals import without_reversals as without_reversals_of_joints
 
 FILTER = ParallelFilter(500.0, 8.0)
@@ -52,16 +52,6 @@ def test_rows_far_from_reversals_stay():
     assert np.abs(left - signal).max() > 0.1
 
 
-def test_projection_is_a_projection():
-    unknown = reversals((2000, 2050), (2600, 2640), (7000, 7200))
-    signal = FILTER.among_zeros(np.random.default_rng(2).normal(size=(3, SAMPLES)), ROWS)
-    once, *_ = without_reversals(signal, reversal_pulses(unknown, FILTER), ROWS, FILTER)
-    np.testing.assert_allclose(
-        without_reversals(once, reversal_pulses(unknown, FILTER), ROWS, FILTER)[0], once, atol=1e-10
-    )
-    np.testing.assert_allclose(once @ signal.T, once @ once.T, atol=1e-8)
-
-
 @pytest.mark.parametrize("step", range(1, FILTER.stride + 1))
 def test_the_share_of_noise_that_is_left_is_that_of_filtered_white_noise_at_every_spacing_of_the_rows(step):
     unknown = reversals(*((start, start + 30) for start in range(600, SAMPLES, 400)))
@@ -71,12 +61,6 @@ def test_the_share_of_noise_that_is_left_is_that_of_filtered_white_noise_at_ever
     assert share < 0.9
     np.testing.assert_allclose((left**2).sum() + (taken**2).sum(), (noise**2).sum(), rtol=1e-12)
     assert (left**2).sum() == pytest.approx(share * (noise**2).sum(), rel=0.02)
-
-
-def test_rests_are_no_reversals():
-    found = around_stops(np.array([reversals((100, 140)), reversals((3000, 6000))]).T, FILTER)
-    assert found[:, 0].sum() == 40 + 2 * np.ceil(500.0 / (4.0 * np.pi * 8.0))
-    assert not found[:, 1].any()
 
 
 @pytest.mark.parametrize(("every", "kept"), [(50, True), (400, False)])

@@ -74,12 +74,6 @@ def test_force_plates_in_kilonewtons_or_newton_millimetres_are_refused(of_force,
         Wrench(of_force * wrench.force, of_moment * wrench.moment)
 
 
-def test_a_rail_that_nobody_touches_is_a_wrench():
-    noise = np.random.default_rng(0).normal(size=(2, N, 3)) * 0.02
-    assert len(Wrench(noise[0], noise[1])) == N
-    assert not Wrench(np.zeros((N, 3)), np.zeros((N, 3))).columns.any()
-
-
 # --- A recording with wrenches and contacts ---------------------------------------------------------------------------
 
 
@@ -87,19 +81,6 @@ def equal(one, other):
     assert np.array_equal(one.columns, other.columns)
     assert np.array_equal(one.point, other.point)
     assert one.axes == other.axes
-
-
-def test_wrenches_and_contacts_are_sliced_selected_and_masked_with_the_rest():
-    whole = recording()
-    wrench, contact = whole.wrenches["left_foot"], whole.contacts["left_foot"]
-    for part, rows in ((whole.slice(50, 90), slice(50, 90)), (whole.between(1.0, 2.0), slice(100, 200))):
-        equal(part.wrenches["left_foot"], wrench.rows(rows))
-        assert np.array_equal(part.contacts["left_foot"], contact[rows])
-        assert list(part.contacts) == ["left_foot", "right_foot"]
-    for same in (whole.select(("knee",)), whole.segments([(1.0, 2.0)]), dataclasses.replace(whole, passive=("knee",))):
-        equal(same.wrenches["left_foot"], wrench)
-        assert np.array_equal(same.contacts["right_foot"], ~contact)
-    assert "; wrenches: left_foot; contacts: left_foot, right_foot" in repr(whole)
 
 
 def test_resampling_interpolates_wrenches_and_shortens_contacts():

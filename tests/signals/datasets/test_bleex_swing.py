@@ -44,12 +44,6 @@ def test_intervals_of_three_standard_deviations_contain_the_published_parameters
         assert lower < value < upper, name
 
 
-def test_friction_is_found_near_what_was_simulated(estimate, script):
-    """The simulated sign change is sharper than the model's and stick-slip is not in it: 10 %."""
-    for joint, coulomb in zip(JOINTS, script.COULOMB, strict=True):
-        assert estimate.value(f"c0_{joint}") == pytest.approx(coulomb, rel=0.1)
-
-
 def test_the_other_swing_is_predicted_and_the_cad_model_must_do_worse(estimate, data):
     """The ankle's torque is hardly larger than its noise. With the friction, the CAD inertias err several times."""
     values = estimate.values.copy()
