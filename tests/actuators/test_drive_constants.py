@@ -10,7 +10,6 @@ from unchecked import identify
 
 import exoid
 from exoid.actuators import Actuators, Attachments, LinearActuator, Motor
-from exoid.actuators.constants import at_start, unknown_constants, with_constants
 from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.errors import ExoidError
 from exoid.leg.payload import Payload
@@ -203,16 +202,6 @@ def test_an_estimate_keeps_its_constants(tmp_path):
     found.to_c(tmp_path / "leg.c")
 
 
-def test_a_motor_says_what_it_lacks():
-    actuators = Actuators.of(LEG, {"hip": Motor(None, RATIO, None), "knee": Motor(0.1)})
-    assert [each.name for each in unknown_constants(actuators)] == ["kt_hip", "eta_hip"]
-    known = with_constants(actuators, {"kt_hip": 0.07, "eta_hip": 0.8})
-    assert not unknown_constants(known)
-    assert known.drives["left_hip"] == Motor(0.07, RATIO, 0.8)
-    assert not unknown_constants(at_start(actuators))
-    assert actuators_from_data(actuators_to_data(actuators), LEG).drives == actuators.drives
-
-
 def test_the_gain_of_a_force_channel_is_found_by_a_payload(tmp_path):
     """A load cell that reads 10 % too much, beside a motor whose constant is not known either."""
     points = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06)))
@@ -242,11 +231,3 @@ def test_the_sensitivity_is_the_derivative_of_the_torque(symbol, back):
     above, below = (replace(motor, **{field: value + sign * step}).torque(current, v, v) for sign in (1.0, -1.0))
     found = motor.sensitivity(symbol, motor.torque(current, v, v), v)
     np.testing.assert_allclose(found, (above - below) / (2.0 * step), rtol=1e-6, atol=1e-9)
-
-
-@pytest.mark.parametrize("factor", [0.05, 1000.0])
-def test_the_start_does_not_matter(factor):
-    """Such as where the constant includes a ratio that was not given."""
-    logs = [replace(one, current=one.current / factor) for one in (log(1), log(2, PAYLOAD))]
-    found = identify(LEG, logs, TERMS, actuators=motors())
-    check_against(found, TRUTH | {"kt_hip": factor * KT[0], "kt_knee": factor * KT[1]}, 0.02)

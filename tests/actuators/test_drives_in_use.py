@@ -60,13 +60,6 @@ def test_an_estimate_remembers_its_drives(tmp_path, by_force) -> None:
     assert "torque computed of drives: left_hip: linear, torso at (-0.17, 0.24, 0.3) m" in str(again)
 
 
-def test_another_log_may_have_other_drives(by_force) -> None:
-    currents = log_of(MOTORS, DATA.test)
-    with pytest.raises(exoid.ExoidError, match="no torque, and not what its drives turn into torque, but current"):
-        exoid.validate(by_force, currents)
-    assert exoid.validate(by_force, currents, actuators=MOTORS).verdict == "predicts"
-
-
 def test_known_rotors_are_held_unless_the_caller_says_otherwise() -> None:
     drives = {joint: Motor(0.07, ratio=50.0, rotor_inertia=1e-5) for joint in LEG.joint_names}
     log = log_of(MOTORS)
@@ -88,14 +81,6 @@ def test_torque_sensors_see_neither_rotors_nor_motors_of_couplings() -> None:
         estimate = identify(LEG, DATA.train, actuators=drives)
         assert estimate.names == plain.names
         np.testing.assert_array_equal(estimate.values, plain.values)
-
-
-def test_groups_of_recordings_have_drives_too() -> None:
-    first, second = log_of(CYLINDERS), log_of(CYLINDERS, DATA.test)
-    both = identify(LEG, {"monday": first, "tuesday": second}, own="offset", actuators=CYLINDERS)
-    assert both["monday"].actuators is not None
-    same = identify(LEG, {"monday": DATA.train, "tuesday": DATA.test}, own="offset")
-    np.testing.assert_allclose(both["tuesday"].values, same["tuesday"].values, rtol=1e-6, atol=1e-9)
 
 
 def test_checks_look_at_what_the_drive_measured() -> None:

@@ -37,13 +37,6 @@ def test_virtual_work_by_finite_differences(joint: str) -> None:
     np.testing.assert_allclose(drive.torque(force, q, v) * v, force * rate, rtol=1e-7, atol=1e-6)
 
 
-def test_the_order_of_the_points_does_not_matter() -> None:
-    q = np.linspace(-1.0, 1.0, 9)
-    leg = exoid.load_leg("cuhk")
-    there, back = POINTS.on(leg, "left_knee"), Attachments(POINTS.second, POINTS.first).on(leg, "left_knee")
-    np.testing.assert_allclose(there.arm(q), back.arm(q), rtol=1e-12)
-
-
 def test_arms_of_both_sides_are_alike_and_keep_their_sign_within_the_limits() -> None:
     right = exoid.load_leg("bleex", side="right")
     for left_joint, right_joint, low, high in zip(

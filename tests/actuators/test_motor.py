@@ -46,22 +46,6 @@ def _motors() -> Actuators:
     return Actuators.of(exoid.load_leg("cuhk"), {"hip": Motor(0.1, ratio=10.0), "left_knee": Motor(0.2, ratio=10.0)})
 
 
-def test_currents_become_torques_and_a_second_time_changes_nothing() -> None:
-    current = RNG.normal(size=(200, 2))
-    torque = _motors().torque(_recording(current=current))
-    np.testing.assert_allclose(torque.tau, current * [1.0, 2.0])
-    assert _motors().torque(torque) is torque
-
-
-def test_joints_are_found_by_name_in_another_order_and_by_label() -> None:
-    current = RNG.normal(size=(200, 2))
-    recording = _recording(current=current)
-    swapped = recording.select(("left_knee", "left_hip"))
-    np.testing.assert_allclose(_motors().torque(swapped).select(("left_hip",)).tau, current[:, :1])
-    plain = exoid.Recording(time=recording.time, q=recording.q, current=current, joint_names=("hip", "knee"))
-    np.testing.assert_allclose(_motors().torque(plain).tau, current * [1.0, 2.0])
-
-
 def test_a_measured_torque_is_kept_and_a_joint_without_reading_stays_unmeasured() -> None:
     nothing, ones = np.full(200, np.nan), np.ones(200)
     tau = np.column_stack([7.0 * ones, nothing])

@@ -1,7 +1,6 @@
 """Two estimates are compared by a test that is right as often as it says."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid import Offset, Viscous
+from exoid import Viscous
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
@@ -68,17 +67,6 @@ def test_the_figures_are_those_of_the_formulas(leg):
     welch = np.diag(C) ** 2 / sum(spread)
     expected = 2.0 * stats.t.sf(np.abs(difference) / np.sqrt(np.diag(C)), welch)
     np.testing.assert_allclose(comparison.p_values, expected, rtol=1e-9)
-
-
-def test_only_common_parameters_are_compared(leg):
-    comparison = exoid.compare(estimate_of(leg, 7), estimate_of(leg, 8, (Viscous(), Offset())))
-    assert comparison.names == (*leg.parameter_names, "d_hip", "d_knee", "d_ankle")
-
-
-def test_a_comparison_is_json(leg):
-    comparison = exoid.compare(estimate_of(leg, 10), estimate_of(leg, 11))
-    data = json.loads(json.dumps(comparison.to_json(), allow_nan=False))
-    assert data["difference"]["J1"] == comparison.difference[2]
 
 
 def with_prior(leg, seed, noise=0.3, **options):

@@ -6,8 +6,7 @@ from lxml import etree
 from swings import harmonics
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, Leg, Recording, Viscous
-from exoid.torques import LoadFriction
+from exoid import Armature, Estimate, Leg, Recording
 
 ROTOR = 0.05
 
@@ -70,24 +69,6 @@ def test_the_exported_thigh_is_without_it(known, merged, tmp_path):
     q, v, a = motion(3)
     torque = read.inverse_dynamics(q, v, a) + [ROTOR, 0.0, 0.0] * a
     np.testing.assert_allclose(torque, with_rotor.inverse_dynamics(q, v, a), atol=1e-11)
-
-
-def test_every_group_may_have_its_own(swing):
-    halves = {"one": swing.train.between(0.0, 9.0), "two": swing.train.between(9.5, 20.0)}
-    both = exoid.identify(swing.leg, halves, own="offset", known={"Ia_hip": ROTOR})
-    plain = exoid.identify(swing.leg, halves, own="offset")
-    for name in halves:
-        assert both[name]["Ia_hip"].value == ROTOR
-        assert both[name]["J1"].value == pytest.approx(plain[name]["J1"].value - ROTOR, abs=1e-10)
-
-
-def test_terms_with_load_take_it(swing):
-    terms = (Coulomb(), Viscous(), Armature(), LoadFriction())
-    without = exoid.identify(swing.leg, swing.train, terms)
-    with_ = exoid.identify(swing.leg, swing.train, terms, known={"Ia_hip": 1e-3})
-    assert with_["Ia_hip"].value == 1e-3
-    assert with_.regrouped == ()
-    assert with_["J1"].value == pytest.approx(without["J1"].value - 1e-3, abs=without["J1"].std)
 
 
 BODY = (

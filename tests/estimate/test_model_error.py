@@ -8,7 +8,6 @@ from swings import Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Viscous
-from exoid.estimate.file import estimate_from_json
 from exoid.estimate.model_error import COUNT
 from exoid.torques import Presliding
 
@@ -101,13 +100,6 @@ def test_inside_the_training_the_band_does_not_become_wider(leg, estimates, form
     assert (new.coverage > 0.93).all()
 
 
-def test_friction_of_the_form_of_the_terms_leaves_the_band_as_it_is_at_twice_the_speed(leg, estimates):
-    fast = log(leg, "coulomb", FAST, 8)
-    old, new = (exoid.validate(each, fast) for each in (without(estimates["coulomb"]), estimates["coulomb"]))
-    assert (new.half_width.mean(axis=0) < 1.2 * old.half_width.mean(axis=0)).all()
-    assert (new.coverage > 0.9).all()
-
-
 def band_rows(estimate, *motion):
     model = estimate.band_model
     return model.columns(model.with_states(estimate.model.motion(*motion))).transpose(2, 1, 0)
@@ -149,23 +141,7 @@ def test_without_checks_there_is_none_and_bands_are_those_of_parameters_and_nois
     assert (band.upper - band.torque >= 1.96 * estimate.residual_rms).all()
 
 
-def test_known_parameters_absorb_nothing(leg):
-    recording = log(leg, "stribeck", SLOW, 1)
-    free = exoid.identify(leg, recording)
-    held = exoid.identify(leg, recording, known={"c0_hip": free.value("c0_hip")})
-    place = free.names.index("c0_hip")
-    assert free.model_error.parameters[place].any()
-    assert not held.model_error.parameters[place].any()
-
-
 def test_one_state_alone_has_a_band(estimates):
     """The direction of motion is that of the velocity where there is no motion before."""
     band = estimates["presliding"].torque_band([[0.1, 0.2]], [[0.5, 0.5]], [[0.0, 0.0]])
     assert (band.upper - band.torque < 10.0 * estimates["presliding"].residual_rms).all()
-
-
-def test_a_model_error_of_another_leg_is_refused(estimates):
-    data = estimates["stribeck"].to_json()
-    data["model_error"]["speed"] = data["model_error"]["speed"][:1]
-    with pytest.raises((exoid.ExoidError, ValueError)):
-        estimate_from_json(data, Estimate)

@@ -99,15 +99,6 @@ def test_a_floating_base_is_refused(tmp_path):
     assert not (tmp_path / "leg.xml").exists()
 
 
-def test_the_command_writes_the_file(exoid_, tmp_path, data):
-    exoid.identify(data.leg, data.train, check=False).save(tmp_path / "est.json")
-    done = exoid_("export", tmp_path / "est.json", "--mjcf", tmp_path / "leg.xml")
-    assert done.code == 0, done.err
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "leg.xml"))
-    np.testing.assert_array_equal(model.actuator_ctrlrange[:, 1], data.leg.limits.effort)
-    assert exoid_("export", tmp_path / "est.json", "--mjcf", "a.xml", "-o", "b.urdf").code != 0
-
-
 @pytest.mark.parametrize("make", [four_bar_knee, two_rod_ankle, cylinder_knee])
 def test_mujoco_closes_the_loops_of_a_closed_leg(make, tmp_path):
     """At rest its acceleration under the motors' torque is that of exoid."""

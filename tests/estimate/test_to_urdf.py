@@ -11,7 +11,7 @@ from mujoco_torques import mujoco_model, mujoco_torque
 from public_robots import urdf_of
 
 import exoid
-from exoid import Armature, Coulomb, Leg, Offset, Stiffness, Viscous
+from exoid import Armature, Coulomb, Leg, Viscous
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift.lumping import distribute_bodies
@@ -91,15 +91,6 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
     np.testing.assert_allclose(torque, estimate.torque(q, v, a), rtol=0, atol=1e-9)
 
 
-def test_an_identified_example_is_exported_as_it_is(data, estimate, tmp_path):
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
-    assert export.lift.feasible
-    np.testing.assert_array_equal(export.values, estimate.values)
-    np.testing.assert_allclose(reloaded(data.leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
-    for name in ("Ia_hip", "J1"):
-        assert name in str(export)  # regrouped, and said so
-
-
 # ------------------------------------------------------------------------------------ any robot, locks
 
 ROBOTS_TO_TRY = {  # joints that move, and locked positions of others
@@ -157,24 +148,6 @@ BODY = (
     '<inertial><origin xyz="0.01 0 -0.1" rpy="0.1 0.2 0.3"/><mass value="1"/>'
     '<inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
 )
-SMALL = (
-    '<robot name="r" version="1.0" unknown="kept"><!-- first --><link name="a"/>'
-    '<link name="b"><visual><geometry><mesh filename="package://x/m.stl" scale="1 1 1"/></geometry></visual></link>'
-    f'<link name="c">{BODY}</link><joint name="hip" type="continuous"><parent link="a"/><child link="b"/>'
-    '<axis xyz="0 -1 0"/><dynamics damping="0.7"/></joint><joint name="screw" type="fixed">'
-    '<origin xyz="0.1 0.2 -0.3" rpy="0.4 0.5 0.6"/><parent link="b"/><child link="c"/></joint>'
-    '<transmission name="t"><type>x</type></transmission></robot>'
-)
-
-
-def test_a_link_without_inertia_keeps_none_and_what_is_fixed_to_it_changes(tmp_path):
-    leg = Leg.from_description(describe(SMALL, "small.urdf"))
-    estimate = estimate_of(leg, (Coulomb(),), rigid=near(leg, 0.1))
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
-    assert export.changed_links == ("c",)
-    np.testing.assert_allclose(reloaded(leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
-
-
 # ----------------------------------------------------------------------------------------- untouched
 
 
@@ -206,17 +179,6 @@ def test_all_else_stays_as_it_was(leg, tmp_path):
     np.testing.assert_array_equal(read_inertials(describe(after))[other], read_inertials(leg.description)[other])
 
 
-def test_friction_that_was_not_identified_stays_as_it_was(tmp_path):
-    leg = Leg.from_description(describe(SMALL, "small.urdf"))
-    for terms, expected in (((), {"damping": "0.7"}), ((Coulomb(),), {"damping": "0.7", "friction": "0.25"})):
-        export = estimate_of(leg, terms, c0_hip=0.25).to_urdf(tmp_path / "leg.urdf")
-        root = etree.parse(str(export.urdf)).getroot()
-        assert dict(root.find("joint[@name='hip']/dynamics").attrib) == expected
-        assert root.get("unknown") == "kept"
-        assert root.find("transmission/type").text == "x"
-        assert root.find("link/visual/geometry/mesh").get("filename") == "package://x/m.stl"
-
-
 def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
     """A joint without <dynamics>, read back by a library of its own."""
     leg = exoid.load_leg("bleex")
@@ -242,16 +204,6 @@ def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
 
 
 # ------------------------------------------------------------------------------------------ left out
-
-
-def test_what_a_urdf_has_no_place_for_is_named(tmp_path):
-    leg = exoid.load_leg("bleex")
-    estimate = estimate_of(leg, (*FRICTION, Armature(), Stiffness(degree=1, joints=("knee",)), Offset(joints=("hip",))))
-    export = estimate.to_urdf(tmp_path / "my.leg.urdf")
-    assert export.left_out == ("Ia_knee", "Ia_ankle", "b1_knee", "b0_knee", "offset_hip")
-    assert f"no place for {', '.join(export.left_out)}: left out" in str(export)
-    assert "J1" in str(export)
-    assert [path.name for path in tmp_path.iterdir()] == ["my.leg.urdf"]
 
 
 def test_friction_that_feeds_energy_in_is_zero_in_the_urdf(tmp_path):

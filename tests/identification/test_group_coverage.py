@@ -60,15 +60,6 @@ def test_intervals_contain_the_truth_as_often_as_they_say(sides, replicates):
     assert (np.abs(scatter - 1.0) < 0.3).all()
 
 
-def test_intervals_of_each_group_are_those_of_the_whole(sides):
-    (together,) = replicate(sides, 1)
-    for group, places in zip(together, together.layout.places, strict=True):
-        np.testing.assert_allclose(together[group].std, together.std[places], rtol=1e-12)
-        wide = together[group].interval() - together.interval()[places]
-        assert (wide[:, 0] <= 1e-12).all()
-        assert (wide[:, 1] >= -1e-12).all()
-
-
 @pytest.mark.nightly
 def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_always(sides, replicates):
     """Of all comparisons 5 % or less, and for what is shared 1 %, as adjusted for the number of parameters."""

@@ -8,9 +8,9 @@ from sessions import TERMS, Noise, Session, truth_of
 from unchecked import identify
 
 import exoid
-from exoid import ExoidError, Recording, compare
+from exoid import ExoidError, compare
 from exoid.regression.every_row import make_rows
-from exoid.signals import FiniteDifference, Poses, Recordings
+from exoid.signals import FiniteDifference, Poses
 from exoid.torques import TorqueModel
 
 PLAIN = FiniteDifference()
@@ -174,19 +174,6 @@ def test_groups_that_do_not_agree_on_what_they_share_are_told(legs, sides):
     assert "J2" in mended.equal.below(0.05)
 
 
-def test_recordings_alone_are_groups_with_the_names_of_their_files(leg, days, tmp_path):
-    paths = [tmp_path / f"{day}.csv" for day in days]
-    for path, recording in zip(paths, record(days, **dict.fromkeys(days, Noise(0.1))).values(), strict=True):
-        recording.to_csv(path)
-    together = identify(leg, [Recording.from_csv(path) for path in paths], TERMS, own="offset")
-    assert list(together) == ["monday.csv", "tuesday.csv", "friday.csv"]
-    assert "offset_hip[monday.csv]" in str(together)
-    on_disk = identify(leg, Recordings.from_files(paths), TERMS, own="offset")
-    assert on_disk.groups == together.groups
-    np.testing.assert_array_equal(on_disk.values, together.values)
-    np.testing.assert_array_equal(on_disk.covariance, together.covariance)
-
-
 def test_poses_may_be_a_group_of_their_own(leg, days):
     """Static poses on another day, when only the sensors' zero was another: friction leaves no trace in them."""
     rng = np.random.default_rng(3)
@@ -203,22 +190,6 @@ def test_poses_may_be_a_group_of_their_own(leg, days):
     assert any("poses cannot be identified alone" in note for note in together.notes)
     with pytest.raises(ExoidError, match=r"c0_hip\[poses\].*left no trace"):
         identify(leg, groups, TERMS, own=("offset", "c0"))
-
-
-def test_a_joint_may_rest_in_a_session_that_has_nothing_of_its_own_there(leg, days):
-    rng = np.random.default_rng(4)
-    full = days["tuesday"].recording(rng, Noise(0.1))
-    q, v, a = (np.array(x) for x in (full.q, full.v, full.a))
-    q[:, 0], v[:, 0], a[:, 0] = 0.2, 0.0, 0.0
-    tau = leg.inverse_dynamics(q, v, a) + ZEROS["tuesday"] + np.multiply((0.8, 0.6, 0.4), np.tanh(v / 0.02))
-    tau += np.multiply((0.5, 0.3, 0.2), v) + rng.normal(scale=0.1, size=q.shape)
-    held = dataclasses.replace(full, q=q, v=v, a=a, tau=tau)
-    groups = {"monday": days["monday"].recording(rng, Noise(0.1)), "held": held}
-    together = identify(leg, groups, TERMS, own="offset")
-    error = together.values - truth_of(together, {"monday": days["monday"], "held": days["tuesday"]})
-    assert (np.abs(error) < 4.0 * together.std).all()
-    with pytest.raises(ExoidError, match=r"held: joint left_hip stands still"):
-        identify(leg, groups, TERMS, own="c0")
 
 
 def test_known_values_and_priors_may_be_of_all_groups_or_of_one(leg, days):
@@ -240,17 +211,6 @@ def test_known_values_and_priors_may_be_of_all_groups_or_of_one(leg, days):
     assert set(together["tuesday"].prior_knowledge.prior.values) == {"offset_knee", "J1"}
     identifiability = dict(zip(together.names, together.identifiability, strict=True))
     assert (identifiability["X3"], identifiability["offset_knee[friday]"]) == ("known", "prior")
-
-
-def test_bounds_hold_for_own_parameters(legs, sides):
-    less = dataclasses.replace(sides["right"], coulomb=(1.1, -0.2, 0.4))
-    recordings = record({**sides, "right": less}, left=Noise(0.05), right=Noise(0.05))
-    free = identify(legs, recordings, TERMS)
-    assert any("right: c0_knee negative beyond error" in warning for warning in free.warnings)
-    bounded = identify(legs, recordings, TERMS, nonnegative=True)
-    assert bounded.bounded == ("c0_knee[right]",)
-    assert (bounded["left"].bounded, bounded["right"].bounded) == ((), ("c0_knee",))
-    assert "kept at zero: c0_knee[right]" in str(bounded)
 
 
 def test_what_is_part_of_a_shared_parameter_is_said_to_be(legs, sides):

@@ -9,10 +9,9 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid import Coulomb, ExoidError, Viscous
+from exoid import ExoidError
 from exoid.identification.estimators import JointML
 from exoid.identification.estimators.bordered import eliminate
-from exoid.identification.estimators.joint_ml import smooth
 from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, System, respond
 from exoid.identification.estimators.trajectory import Trajectory
 from exoid.signals import Poses
@@ -134,14 +133,6 @@ def test_what_it_cannot_fit_is_refused(swing, spacing):
         identify(swing.leg, noisy(swing, 8), TERMS, JointML(spacing))
     with pytest.raises(ExoidError, match="ml fits motions of the leg in the air, without poses"):
         identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, "ml")
-
-
-def test_a_sharp_sign_is_smoothed_and_dead_bands_are_left_to_the_angles(swing):
-    sharp = TorqueModel(swing.leg, (Coulomb(smoothing=0.0, dead_band=0.05), Viscous()))
-    coulomb, viscous = smooth(sharp).terms
-    assert (coulomb.smoothing, coulomb.dead_band, viscous) == (0.01, 0.0, Viscous())
-    estimate = identify(swing.leg, noisy(swing, 6), sharp.terms, JointML(0.05))
-    assert relative(estimate, swing).max() < 0.1
 
 
 def test_rows_with_the_motion_eliminated_have_the_normal_equations_and_the_score(system, swing):

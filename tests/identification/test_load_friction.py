@@ -95,13 +95,6 @@ def test_with_noise_they_come_back_within_their_errors(leg, estimator):
     assert ((band.lower <= torque) & (torque <= band.upper)).mean() > 0.8
 
 
-def test_behind_the_default_filter_too(leg):
-    """Columns of every kind pass the same filter as the torque."""
-    est = exoid.identify(leg, recording_of(leg, seconds=20.0, rate=400.0), RICH)
-    assert est.value("mu_drive_knee") == pytest.approx(0.10, abs=0.01)
-    assert (exoid.validate(est, recording_of(leg, seconds=15.0, rate=400.0, seed=8)).nrmse < 0.01).all()
-
-
 def test_poses_stand_beside_recordings_and_what_is_known_is_kept(leg):
     """At rest no bent contact is known of: friction is left out there, and gravity is still right."""
     q = np.random.default_rng(0).uniform(-0.5, 0.5, (20, 2))

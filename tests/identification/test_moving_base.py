@@ -7,11 +7,10 @@ import pytest
 from loaded_legs import with_payloads
 from public_robots import urdf_of
 from unchecked import identify
-from walking import IMU, Walk
+from walking import Walk
 
 import exoid
-from exoid import BaseMotion, ExoidError, Leg, Payload, Recording
-from exoid.view.report import identification_report
+from exoid import BaseMotion, ExoidError, Leg, Payload
 
 
 def errors(estimate, leg, symbol):
@@ -92,29 +91,6 @@ def test_validation_uses_the_base():
     assert (exoid.validate(estimate, fixed(test)).nrmse > 0.1).all()
 
 
-@pytest.mark.slow
-def test_files_and_reports_keep_that_the_base_moved(tmp_path):
-    leg = exoid.load_leg("cuhk")
-    recording = Walk(leg, seconds=20.0).recording()
-    estimate = identify(leg, recording, terms=())
-    estimate.save(tmp_path / "est.json")
-    assert exoid.Estimate.load(tmp_path / "est.json").inputs[0].moving_base
-    standing = identify(leg, [recording, Walk(leg, seconds=20.0, seed=3).recording()], terms=())
-    assert [source.moving_base for source in standing.inputs] == [True, True]
-    other = BaseMotion(recording.base.angular_velocity, recording.base.specific_force, 0.5 * IMU)
-    again = identify(leg, dataclasses.replace(recording, base=other), terms=())
-    assert again.inputs[0].sha256 != estimate.inputs[0].sha256
-    assert "moves" in identification_report(estimate, [recording]).html()
-
-
-def test_every_estimator_uses_the_base():
-    leg = exoid.load_leg("cuhk")
-    recording = Walk(leg, seconds=20.0).recording()
-    for name in ("ols", "huber", "ml"):
-        estimate = identify(leg, recording, terms=(), estimator=name)
-        assert max(errors(estimate, leg, "X")) < 1.0, name
-
-
 def test_a_rotor_at_the_hip_is_told_from_the_leg_by_the_pitch_of_the_torso():
     leg = exoid.load_leg("cuhk")
     walked = Walk(leg, seconds=60.0, pitch=0.2)
@@ -140,11 +116,3 @@ def test_intervals_cover_the_truth(leg):
         low, high = estimate.interval(0.95).T
         inside.append((low <= leg.parameters) & (leg.parameters <= high))
     assert 0.88 <= np.mean(inside) <= 1.0
-
-
-def test_segments_of_a_walk_count_alone(leg):
-    recording = Walk(leg, seconds=60.0).recording()
-    swings = recording.segments([(start, start + 0.4) for start in np.arange(2.0, 57.0, 1.1)])
-    estimate = identify(leg, swings, terms=())
-    assert max(errors(estimate, leg, "X")) < 1.0
-    assert isinstance(swings, Recording)

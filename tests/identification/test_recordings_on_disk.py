@@ -8,7 +8,6 @@ from unchecked import identify
 
 import exoid
 from exoid import Recording, Recordings
-from exoid.signals import Poses
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 30.0)
 
@@ -67,13 +66,3 @@ def test_every_log_is_read_twice_and_once_more_for_checks_and_none_of_them_is_ke
     identify(SWING.leg, Recordings.from_folder(folder), check=check)
     once = [f"part.{k}.csv" for k in range(8, 12)] + ["part.12.parquet"]
     assert read == once * times
-
-
-@pytest.mark.slow
-def test_logs_on_disk_go_with_poses_and_recordings_in_memory(folder, in_memory):
-    rng = np.random.default_rng(1)
-    q = rng.uniform(-1.0, 1.0, (60, 3))
-    tau = SWING.leg.inverse_dynamics(q, 0 * q, 0 * q) + rng.normal(scale=0.1, size=q.shape)
-    poses = Poses(q, tau, joint_names=SWING.leg.joint_names)
-    mixed = [Recordings.from_folder(folder)[:3], poses, in_memory[4]]
-    assert_same(exoid.identify(SWING.leg, mixed), identify(SWING.leg, [*in_memory[:3], poses, in_memory[4]]))

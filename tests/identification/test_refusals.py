@@ -139,29 +139,6 @@ def test_locking_the_still_joint_as_the_error_says_works(swing):
     np.testing.assert_allclose(estimate.values[:6], leg.parameters, rtol=1e-8)
 
 
-def test_one_joint_after_another_is_enough_without_rotors(swing):
-    """Not everything that looks poor is: three motions of one joint each determine all nine parameters."""
-    motions = [moved(swing, np.diag(row)) for row in np.eye(3)]
-    estimate = exoid.identify(swing.leg, motions, TERMS, preparation=PLAIN)
-    np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
-
-
-def test_further_joints_of_the_recording_are_ignored(swing):
-    q, v, a = (np.column_stack([x[:, 2], x, x[:, 0]]) for x in swing.motion)
-    tau = np.column_stack([swing.torque[:, 2], swing.torque, np.zeros(len(q))])
-    names = ("thumb", *swing.leg.joint_names, "toe")
-    recording = Recording(swing.time, q, v, a, tau, joint_names=names)
-    estimate = exoid.identify(swing.leg, recording, TERMS, preparation=PLAIN)
-    np.testing.assert_allclose(estimate.values, swing.truth, rtol=1e-8)
-
-
-def test_a_free_swing_beside_a_driven_one_is_not_a_dead_channel(swing):
-    """A joint may swing freely in one recording if another shows that its torque channel lives."""
-    free = np.zeros_like(swing.torque)
-    estimate = exoid.identify(swing.leg, [swing.recording(), swing.recording(tau=free)], TERMS)
-    assert np.isfinite(estimate.values).all()
-
-
 def test_a_poor_motion_that_still_determines_everything_prints_a_warning(leg):
     """Half a degree of noise-free motion at one slow frequency: solvable, not trustworthy, and it says so."""
     swing = Swing(leg, seconds=30.0)

@@ -76,15 +76,6 @@ def test_segments_lose_no_row_to_the_filter():
     np.testing.assert_array_equal(rows.time, swing().time[mask()])
 
 
-def test_an_estimate_says_which_segments_it_is_from_and_its_file_too(tmp_path):
-    estimate = exoid.identify(swing().leg, segmented(noise=disturbance(1, 0.0)), TERMS)
-    assert estimate.inputs[0].segments == segmented().segment_times
-    estimate.save(tmp_path / "estimate.json")
-    assert exoid.Estimate.load(tmp_path / "estimate.json").inputs == estimate.inputs
-    whole = exoid.identify(swing().leg, log(noise=disturbance(1, 0.0)), TERMS)
-    assert "segments" not in whole.to_json()["inputs"][0]
-
-
 def test_a_dead_torque_channel_outside_the_segments_is_none():
     tau = np.where(mask()[:, None], swing().torque, 0.0)
     assert error(dataclasses.replace(segmented(), tau=tau)) < 1e-4
@@ -122,18 +113,6 @@ def test_segments_within_the_ends_of_a_log_are_refused():
 def test_a_recording_in_which_nothing_counts_is_refused():
     with pytest.raises(ExoidError, match="no sample counts: the mask is 0 everywhere"):
         error(dataclasses.replace(log(), mask=np.zeros(len(mask()))))
-
-
-def test_a_stance_between_the_segments_causes_no_finding():
-    estimate = exoid.identify(swing().leg, segmented(noise=disturbance(1, 0.0), stance=50.0), TERMS)
-    assert estimate.findings == ()
-
-
-@pytest.mark.slow
-def test_joint_estimation_of_motion_and_parameters_uses_the_torque_of_the_segments_only():
-    noise = disturbance(5, 0.0)
-    assert error(segmented(noise=noise, stance=50.0), estimator="ml") < 0.1
-    assert error(log(noise=noise, stance=50.0), estimator="ml") > 0.1
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import re
 from functools import cache
 
 import numpy as np
@@ -91,29 +90,6 @@ def test_parameters_that_leave_no_trace_elsewhere_are_named():
         identify(swing_.leg, without(log, "left_ankle"), TERMS, "ml")
 
 
-def test_an_estimate_says_which_torque_was_not_measured(tmp_path):
-    swing_, log = swing()
-    found = identify(swing_.leg, without(log, "left_ankle"), TERMS)
-    assert re.search(r"left_ankle +not measured", str(found))
-    found.save(tmp_path / "leg.json")
-    assert exoid.Estimate.load(tmp_path / "leg.json").trained == (True, True, False)
-    assert found.torque(log.q, log.v, log.a).shape == log.q.shape
-
-
-def test_a_validation_says_which_torque_was_not_measured():
-    swing_, log = swing()
-    partial = without(log, "left_ankle")
-    found = identify(swing_.leg, partial, TERMS)
-    alone = exoid.validate(found, partial)
-    assert alone.verdict == "predicts"
-    assert np.isnan(alone.nrmse).tolist() == [False, False, True]
-    assert alone.rows()[2] == ("left_ankle", "not measured", "", "", "")
-    assert alone.to_json()["rmse"][2] is None
-    assert [f.joint for f in alone.findings if f.kind == "unmeasured-torque"] == ["left_ankle"]
-    both = exoid.validate(found, [partial, log])
-    np.testing.assert_allclose(both.rmse[2], exoid.validate(found, log).rmse[2])
-
-
 def test_checks_skip_a_joint_without_torque_and_find_faults_of_the_others():
     swing_, log = swing()
     partial = without(log, "left_ankle")
@@ -122,16 +98,6 @@ def test_checks_skip_a_joint_without_torque_and_find_faults_of_the_others():
     tau[:, 1] *= -1.0
     found = exoid.check(swing_.leg, dataclasses.replace(partial, tau=tau))
     assert ("torque-sign", "left_knee") in {(f.kind, f.joint) for f in found}
-
-
-def test_a_dead_channel_advises_to_say_what_the_joint_is():
-    swing_, log = swing()
-    tau = np.array(log.tau)
-    tau[:, 2] = 0.0
-    with pytest.raises(ExoidError, match="is 0 N·m in every sample") as caught:
-        identify(swing_.leg, dataclasses.replace(log, tau=tau), TERMS)
-    assert "passive=('left_ankle',)" in caught.value.remedy
-    assert "--unmeasured left_ankle" in caught.value.command
 
 
 def test_a_log_of_currents_alone_says_what_is_missing():
@@ -202,20 +168,6 @@ def test_passive_joints_alone_give_only_ratios():
 
 
 # --- what else takes recordings ----------------------------------------------------------------------------------
-
-
-def test_groups_share_what_one_of_them_measured():
-    swing_, log = swing()
-    _, other = swing(2)
-    groups = {"first": without(log, "left_ankle"), "second": other}
-    found = identify(swing_.leg, groups, TERMS, own=())
-    assert found["first"].trained == (True, True, False)
-    assert found["second"].trained == (True, True, True)
-    np.testing.assert_array_equal(found["first"].values, found["second"].values)
-    assert "residual RMS of first [N·m]" in str(found)
-    assert "left_ankle not measured" in str(found)
-    with pytest.raises(ExoidError, match="c0_ankle"):
-        identify(swing_.leg, groups, TERMS, own=("c0",))
 
 
 def test_delays_of_the_other_torques_are_taken_out():

@@ -128,14 +128,6 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites(l
     assert estimate.reference_scale[inertia] < 0.1 * estimate.parameter_scale[inertia]
 
 
-def test_a_true_zero_that_is_tightly_bounded_is_well_determined():
-    swing = Swing(exoid.load_leg("bleex"))
-    terms = (*TERMS, exoid.Offset(), Stribeck(velocity=0.1))
-    estimate = identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.1), terms, preparation=EXACT)
-    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
-    assert identifiability["offset_knee"] == identifiability["cs_knee"] == "well"
-
-
 def test_friction_of_slow_motion_that_few_samples_show_is_not_called_well():
     """Beside 20 N·m anything below 10 N·m would be little, were it judged by its root mean square."""
     swing = Swing(exoid.load_leg("bleex"), seconds=10.0)

@@ -6,7 +6,7 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, ExoidError, Offset, Viscous
+from exoid import Armature, Coulomb, ExoidError, Offset, Viscous
 from exoid.errors import BadArgumentError
 from exoid.regression import Prior
 from exoid.signals import FiniteDifference, ZeroPhase
@@ -167,23 +167,6 @@ def test_bounds_make_intervals_no_worse(swing):
     print(f"coverage with bounds: {coverage.mean():.3f}, worst {coverage.min():.3f}")
     assert coverage.mean() >= 0.93
     assert coverage.min() >= 0.85
-
-
-def test_an_estimate_survives_its_file_with_assumptions_and_all_evidence(swing, tmp_path):
-    recordings = [negative_friction(swing), negative_friction(swing, 0.06)]
-    prior = {"J3": (0.05, 0.01)}
-    estimate = identify(swing.leg, recordings, TERMS, known={"X1": 4.0}, prior=prior, nonnegative=True)
-    estimate.save(tmp_path / "e.json")
-    loaded = Estimate.load(tmp_path / "e.json")
-    assert str(loaded) == str(estimate)
-    assert dict(loaded.prior_knowledge.known) == {"X1": 4.0}
-    assert dict(loaded.prior_knowledge.prior.values) == prior
-    assert loaded.prior_knowledge.nonnegative
-    assert loaded.bounded == estimate.bounded
-    for name in ("interval", "correlation", "dof_each", "collinearity", "parameter_scale", "reference_scale"):
-        one, other = (getattr(each, name) for each in (loaded, estimate))
-        np.testing.assert_array_equal(*((one(), other()) if callable(one) else (one, other)))
-    assert loaded.identifiability == estimate.identifiability
 
 
 ALL = TorqueModel(exoid.load_leg("bleex"), (Coulomb(), Viscous(), Armature())).names

@@ -9,9 +9,8 @@ import exoid
 from exoid import Coulomb, Offset, Recording, Viscous
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
-from exoid.leg.torso import TorsoMotion
 from exoid.regression import rows as rows_module
-from exoid.signals import FiniteDifference, MovingAverage, Poses, ZeroPhase
+from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 60.0)
@@ -110,27 +109,3 @@ def test_rows_that_are_not_asked_for_change_no_other(cutoff):
     np.testing.assert_array_equal(asked.time, kept.time)
     np.testing.assert_allclose(asked.W, kept.W, atol=1e-11)
     assert asked.independent_fraction == kept.independent_fraction
-
-
-def test_validation_goes_in_stretches_too(short_stretches):
-    estimate = identify(SWING.leg, recording(), TERMS)
-    whole = exoid.validate(estimate, recording(1))
-    short_stretches(1.0)
-    parts = exoid.validate(estimate, recording(1))
-    np.testing.assert_array_equal(parts.time, whole.time)
-    np.testing.assert_allclose(parts.measured, whole.measured, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(parts.predicted, whole.predicted, rtol=0, atol=1e-10)
-
-
-def test_poses_and_a_moving_torso_go_in_stretches_too(short_stretches):
-    rng = np.random.default_rng(3)
-    q = rng.uniform(-1.0, 1.0, (1500, 3))
-    pitch = rng.uniform(-0.3, 0.3, 1500)
-    torso = TorsoMotion(pitch=pitch, hip_acceleration=(0.1, 0.2))
-    tau = SWING.leg.inverse_dynamics(q, 0 * q, 0 * q, torso) + rng.normal(scale=0.1, size=q.shape)
-    poses = Poses(q, tau, joint_names=SWING.leg.joint_names, torso=torso)
-    whole = identify(SWING.leg, [recording(), poses], TERMS)
-    short_stretches(1.0)
-    parts = identify(SWING.leg, [recording(), poses], TERMS)
-    np.testing.assert_allclose(parts.values, whole.values, rtol=1e-9)
-    np.testing.assert_allclose(parts.std, whole.std, rtol=1e-6)

@@ -135,20 +135,6 @@ def test_the_checks_find_no_fault_where_the_couplings_are_in_the_model():
 # ------------------------------------------------------------------------ files, prediction and export
 
 
-def test_an_estimate_with_couplings_is_saved_loaded_and_validated(estimate, tmp_path):
-    estimate.save(tmp_path / "est.json")
-    again = Estimate.load(tmp_path / "est.json")
-    assert again.model.terms == estimate.model.terms
-    motion = random_motion(30, 3)
-    np.testing.assert_array_equal(again.torque(*motion), estimate.torque(*motion))
-    assert (exoid.validate(again, swing_with_couplings(3)).nrmse < 0.05).all()
-
-
-def test_a_urdf_has_no_place_for_couplings(estimate, tmp_path):
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
-    assert set(VALUES) <= set(export.left_out)
-
-
 # -------------------------------------------------------------------------------------------- control
 
 

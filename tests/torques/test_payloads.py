@@ -10,7 +10,6 @@ from swings import harmonics
 from unchecked import identify
 
 import exoid
-from exoid.errors import ExoidError
 from exoid.leg.model import configuration
 from exoid.leg.payload import Payload
 from exoid.signals import Poses, Recording
@@ -42,15 +41,6 @@ def test_the_torque_of_payloads_is_pinocchios(name):
     expected = difference(leg, LOADS, q, v, a)
     found = payload_torque(leg, LOADS, Motion(q, v, a))
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
-
-
-def test_a_segment_may_be_named_by_its_link(leg):
-    motion = Motion(*np.random.default_rng(2).uniform(-1.0, 1.0, (3, 5, 3)))
-    names = ("knee", "left_knee", leg.link_labels[1], leg.link_names[1])
-    torques = [payload_torque(leg, [Payload(name, 3.0, (0.0, 0.0, -0.3))], motion) for name in names]
-    assert all(np.array_equal(torque, torques[0]) for torque in torques)
-    with pytest.raises(ExoidError, match=r"payload on 'wrist'.*its joints are left_hip"):
-        payload_torque(leg, [Payload("wrist", 1.0)], motion)
 
 
 def log(leg, payloads=(), noise=0.0, seed=0, seconds=30.0):
@@ -151,9 +141,3 @@ def test_every_preparation_takes_payloads_out(preparation):
     found = identify(leg, log(leg, HEAVY), TERMS, preparation=preparation)
     bare = identify(leg, log(leg), TERMS, preparation=preparation)
     np.testing.assert_allclose(found.values, bare.values, rtol=2e-2, atol=2e-3)
-
-
-def test_groups_may_carry_different_payloads():
-    leg = exoid.load_leg("cuhk")
-    found = identify(leg, {"light": log(leg, seed=1), "heavy": log(leg, HEAVY, seed=2)}, TERMS, own="offset")
-    np.testing.assert_allclose(found["heavy"].values[: len(leg.parameters)], leg.parameters, rtol=1e-3)

@@ -10,7 +10,6 @@ from exoid.torques import DEFAULT_TERMS, CoordinateTerm, JointMotion, Term, Torq
 from exoid.torques.catalog import TERMS, term_by_name, term_to_json
 
 NAMES = ("left_hip", "left_knee", "left_ankle")
-LABELS = ("hip", "knee", "ankle")
 
 
 def columns(term: Term, q: object = 0.0, v: object = 0.0, a: object = 0.0) -> np.ndarray:
@@ -73,11 +72,6 @@ def test_samples_within_the_dead_band_are_unusable_and_their_column_is_zero():
     term = Coulomb(smoothing=0.0, dead_band=0.1)
     np.testing.assert_array_equal(term.usable(v), [True, False, False, False, False, False, True])
     np.testing.assert_array_equal(columns(term, v=v), [[-1, 0, 0, 0, 0, 0, 1]])
-
-
-@pytest.mark.parametrize("joints", [("knee",), ("left_knee",), ("knee", "left_knee")])
-def test_joints_are_found_by_label_or_by_full_name(joints):
-    assert Viscous(joints=joints).joint_indices(NAMES, LABELS) == (1,)
 
 
 def test_every_term_has_a_name_and_the_defaults_are_among_them():

@@ -6,7 +6,7 @@ from planar_chains import assert_relative, random_motion
 
 import exoid
 from exoid import Armature, Coulomb, Leg, Offset, Stiffness, TorsoMotion, Viscous
-from exoid.torques import DEFAULT_TERMS, Regrouped, Term, TorqueModel
+from exoid.torques import Regrouped, Term, TorqueModel
 from exoid.torques.model import BLOCK
 
 
@@ -86,12 +86,6 @@ def test_a_regrouped_rotor_keeps_the_torque(leg):
     assert_relative(model.regressor(q, v, a) @ beta, leg.inverse_dynamics(q, v, a) + a * [0.8, 0.2, 0.3], 1e-12)
 
 
-def test_an_offset_after_a_stiffness_is_its_b0(leg):
-    model = model_of(leg, Stiffness(joints=("knee",)), Offset())
-    assert model.regrouped == (Regrouped("offset_knee", {"b0_knee": pytest.approx(1.0, abs=1e-9)}),)
-    assert model.names[9:] == ("b2_knee", "b1_knee", "b0_knee", "offset_hip", "offset_ankle")
-
-
 def test_a_b0_after_an_offset_is_the_offset_and_the_other_columns_stay_in_place(leg):
     model = model_of(leg, Offset(), Stiffness(joints=("knee",)))
     assert [(m.name, list(m.into)) for m in model.regrouped] == [("b0_knee", ["offset_knee"])]
@@ -132,14 +126,6 @@ def test_regrouped_parameters_state_their_share_and_leave_the_others_their_colum
     assert_relative(W[:, :, 2] * 2.0, np.stack([2.0 * a[:, 0], 0 * q[:, 1], 0 * q[:, 2]], axis=1), 1e-15)
 
 
-def test_what_is_left_is_independent(leg):
-    for terms in (DEFAULT_TERMS, (Stiffness(degree=3), Offset(), Armature(), Viscous(), Coulomb())):
-        model = TorqueModel(leg, tuple(terms))
-        W = model.regressor(*random_motion(np.random.default_rng(8), 3, 500)).reshape(-1, len(model.names))
-        sigma = np.linalg.svd(W / np.linalg.norm(W, axis=0), compute_uv=False)
-        assert sigma[-1] > 1e-3 * sigma[0]
-
-
 # ------------------------------------------------------------------------------------------ refusals
 
 
@@ -151,10 +137,3 @@ def test_the_same_term_at_different_joints_may_have_different_settings(leg):
 
 
 # ------------------------------------------------------------------------------------------- usable
-
-
-def test_only_the_joint_within_its_dead_band_is_unusable(leg):
-    v = np.array([[0.0, 0.0, 0.0], [0.2, 0.2, 0.2], [0.2, 0.0, 0.2]])
-    model = model_of(leg, Coulomb(joints=("knee", "ankle"), dead_band=0.1), Viscous())
-    np.testing.assert_array_equal(model.usable(v), [[True, False, False], [True] * 3, [True, False, True]])
-    assert model_of(leg, Coulomb(), Viscous()).usable(v).all()

@@ -62,13 +62,6 @@ def test_rows_of_closed_chains_have_the_noise_of_one_torque(exo):
     assert jumps < 0.05, "the directions have to vary smoothly, as rows are filtered"
 
 
-def test_straight_knees_leave_no_row(exo):
-    q = np.zeros((3, 6))
-    assert not eliminate(exo, FEET["both"], q).fit.any()
-    q[:, [1, 4]], q[:, [0, 3]], q[:, [2, 5]] = -0.8, 0.4, 0.4
-    assert eliminate(exo, FEET["both"], q).fit.all()
-
-
 def test_friction_of_a_joint_stays_in_its_row_on_one_foot(exo):
     model = SupportModel.of(TorqueModel(exo, (Coulomb(), Viscous(), Armature())), ("left_foot",), None)
     names = list(model.names)

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 import exoid
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.estimate import Estimate
 from exoid.experiments.ground import bleex_machine, walking
 from exoid.lab.reproduce.stance import TERMS, WALKING
 from exoid.leg.description import describe
@@ -113,15 +112,6 @@ def test_a_foot_on_heel_or_toe_is_no_point_itself():
         exoid.Leg.from_description(exo().description, exo().joint_names, base="floating", contacts=kinds)
 
 
-@pytest.mark.parametrize(
-    "places", [{"left_paw_heel": HEEL}, {"left_foot_side": HEEL}, {f"{FOOT}_heel": (75.0, 0.0, 0.0)}]
-)
-def test_a_heel_of_no_foot_is_refused(places):
-    plain = exoid.load_exo("bleex", base="floating")
-    with pytest.raises(BadArgumentError):
-        exoid.Leg.from_description(plain.description, plain.joint_names, base="floating", contacts=places)
-
-
 @pytest.fixture(scope="module")
 def walk():
     return walking(bleex_machine(), 20.0)
@@ -155,16 +145,6 @@ def test_a_walk_tells_the_bias_of_its_imu(walk):
     assert max(value for name, value in errors(estimate, walk).items() if name[0] == "X") < 0.02
     (bias,) = (each for each in estimate.findings if each.kind == "imu-bias")
     assert bias.value == pytest.approx(np.hypot(0.2, 0.1), abs=0.05)
-
-
-@pytest.mark.slow
-def test_heels_and_toes_are_saved_with_an_estimate(walk, tmp_path):
-    leg = exo()
-    log = walk.recording(GroundSensors(), 1, wrenches=("torso",))
-    estimate = exoid.identify(leg, replace(log, base=replace(log.base, calibrated=True)), TERMS, check=False)
-    estimate.save(tmp_path / "est.json")
-    again = Estimate.load(tmp_path / "est.json").model.leg
-    assert dict(again.contacts) == dict(leg.contacts) == {f"{FOOT}_heel": "edge", f"{FOOT}_toe": "edge"}
 
 
 @pytest.mark.parametrize("late", [0.0, 0.01, 0.03, 0.06])

@@ -56,13 +56,6 @@ def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
     assert np.sqrt(np.mean(deviations(exo, estimate) ** 2)) < 1.6
 
 
-@pytest.mark.slow
-def test_the_report_says_which_links_rested(estimate):
-    assert [support.name for support in estimate.supports] == ["left_foot and right_foot", "left_foot", "right_foot"]
-    assert "loop_1" in str(estimate)
-    np.testing.assert_allclose([support.seconds for support in estimate.supports], 15.0)
-
-
 def test_the_estimate_survives_a_file(estimate, tmp_path):
     estimate.save(tmp_path / "exo.json")
     again = exoid.Estimate.load(tmp_path / "exo.json")
@@ -236,18 +229,6 @@ def test_a_bias_that_no_sensor_has_is_a_warning(exo, stance):
     assert {"M", "X1_left"} <= found.doubtful
 
 
-@pytest.mark.nightly
-def test_identify_says_what_is_wrong_with_channels(exo, stance):
-    log = stance[0].recording
-    tau = np.array(log.tau)
-    tau[2000:3500, 1] = tau[2000, 1]
-    logs = [replace(log, tau=tau), *(each.recording for each in stance[1:])]
-    kinds = {finding.kind for finding in exoid.identify(exo, logs, terms=TERMS).findings}
-    assert "stuck-channel" in kinds
-    silent = exoid.identify(exo, logs, terms=TERMS, check=False)
-    assert "stuck-channel" not in {finding.kind for finding in silent.findings}
-
-
 def test_bands_of_the_torque_are_refused_by_name(estimate, stance):
     q, v, a = (part[:5] for part in stance[0].exact)
     base = stance[0].base.rows(slice(5))
@@ -314,15 +295,6 @@ def test_force_plates_belong_to_the_prediction_and_their_noise_to_the_band(exo, 
     assert found.verdict == "predicts"
 
 
-@pytest.mark.slow
-def test_force_plates_that_are_late_are_blamed_not_friction(exo, estimate):
-    log = standing(exo, "both", seconds=12.0, seed=98, noise=NOISE, encoder=ENCODER, friction=friction)
-    found = exoid.validate(estimate, with_plates(log, np.random.default_rng(0), late=25))
-    assert found.verdict != "predicts"
-    assert all("force plates" in finding.remedy for finding in found.findings)
-    assert "torque-delay" in {finding.kind for finding in found.findings}
-
-
 def strapped(exo, log, force=900.0):
     """Let the ground pull the left foot down by a force [N] more, and push the right one up."""
     q, count = log.recording.q, exo.base_rows
@@ -371,7 +343,7 @@ def test_a_known_payload_is_no_part_of_the_machine(exo):
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly  # test_standing_in_the_same_way.py has a late torque among the slow tests
 def test_delays_are_looked_for_in_long_recordings(exo):
     """Rows of long recordings come in blocks, and those that are kept in one."""
     options = {"rate": 500.0, "noise": NOISE, "encoder": ENCODER, "friction": friction}

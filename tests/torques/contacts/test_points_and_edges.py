@@ -12,7 +12,7 @@ from scipy.linalg import null_space
 
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
-from exoid.estimate import Estimate, ground_forces
+from exoid.estimate import ground_forces
 from exoid.experiments.excitation import assess
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.torques.contacts import level_rotation
@@ -76,19 +76,6 @@ def test_an_edge_turns_about_itself_alone():
     turn = level_rotation(quadruped(), FEET[0])
     expected = np.concatenate([np.zeros(3), turn.T @ [0.0, 1.0, 0.0]])
     np.testing.assert_allclose(np.abs(free @ expected), 1.0, rtol=1e-9)
-
-
-def test_in_the_plane_an_edge_is_a_point():
-    text = exoid.load_exo("bleex").description
-    q = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 6))
-    kinds = [
-        exoid.Leg.from_description(text, base="floating", contacts={"left_foot": kind}) for kind in ("edge", "point")
-    ]
-    edge, point = (leg.contact_jacobian(q, "left_foot") for leg in kinds)
-    np.testing.assert_array_equal(edge, point)
-    np.testing.assert_array_equal(
-        point, exoid.load_exo("bleex", base="floating").contact_jacobian(q, "left_foot")[:, :2]
-    )
 
 
 def trajectory(rng, time, size, slowest=0.15):
@@ -187,13 +174,6 @@ def test_what_a_log_on_point_feet_determines_is_predicted():
     assert always.advice == ()
 
 
-@pytest.mark.slow
-def test_kinds_of_contacts_are_saved_with_an_estimate(walked, tmp_path):
-    path = tmp_path / "est.json"
-    walked.save(path)
-    assert dict(Estimate.load(path).model.leg.contacts) == dict(walked.model.leg.contacts)
-
-
 def test_feet_on_points_do_not_say_how_the_base_moves():
     log, _ = walk(quadruped(), 10.0, np.random.default_rng(0))
     one = {FEET[0]: np.ones(len(log), dtype=bool)}
@@ -206,12 +186,3 @@ def test_contacts_of_no_link_or_no_kind_are_refused(contacts):
     with pytest.raises(BadArgumentError) as refused:
         exoid.Leg.from_urdf(urdf_of("anymal"), base="floating", contacts=contacts)
     assert next(iter(contacts)) in str(refused.value)
-
-
-@pytest.mark.slow
-def test_validation_on_points_compares_the_joints(walked):
-    log, _ = walk(quadruped(), 10.0, np.random.default_rng(1002), noise=0.01, rate=100.0)
-    found = exoid.validate(walked, log)
-    assert found.measured.shape[1] == 12
-    # parts of the log on four and on three feet have rows of their own, and no part is lost
-    assert len(found.time) > 0.6 * len(log)

@@ -117,16 +117,6 @@ def test_the_force_under_squats_follows_from_torques_after_jumps_on_a_plate():
 
 
 @pytest.mark.slow
-def test_a_foot_that_is_said_to_rest_while_it_swings_is_left_out():
-    jump = log("jump")
-    stuck = replace(jump, contacts={"foot": jump.contacts["foot"] | (jump.time < 3.0)})
-    found = exoid.identify(hopper()[1], [stuck, log("press")], study.TERMS, cutoff=15.0)
-    slips = [each.value for each in found.findings if each.kind == "slipping-contact"]
-    assert max(slips) > 0.1
-    assert found.values[0] == pytest.approx(hopper()[1].parameters[0], rel=0.01)
-
-
-@pytest.mark.slow
 def test_a_foot_that_never_leaves_the_ground_is_no_log_for_switches_alone():
     with pytest.raises(NotIdentifiableError, match="m_base") as refused:
         exoid.identify(hopper()[1], log("press"), study.TERMS)

@@ -102,14 +102,6 @@ def test_the_truth_is_within_the_intervals_on_hard_and_soft_soles(exo, estimates
         assert np.mean(np.abs(deviation) < 2.0) > 0.8
 
 
-@pytest.mark.slow
-def test_with_an_imu_nothing_is_said_about_soles(exo):
-    log = standing(exo, "both", seconds=10.0, noise=NOISE, encoder=ENCODER)
-    measured = replace(log.recording, base=exoid.BaseMotion(log.base.angular_velocity, log.base.specific_force))
-    assert not any(isinstance(part.recording.base, StandingBase) for part in split(exo, measured).stretches)
-    assert isinstance(split(exo, log.recording).stretches[0].recording.base, StandingBase)
-
-
 def test_a_level_foot_is_that_at_zero_joint_angles(exo):
     assert np.allclose(level_rotation(exo, "left_foot"), np.eye(3))
 

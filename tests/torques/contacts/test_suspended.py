@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
+from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.description import describe
 from exoid.torques.contacts.stretches import contact_of
 
@@ -67,22 +67,3 @@ def test_a_base_that_is_held_does_not_fly():
     hung = replace(short("hook"), contacts={"LF_FOOT": np.zeros(len(short("hook")), dtype=bool)})
     with pytest.raises(UnreadableInputError, match="it is held"):
         exoid.identify(machine(), hung, terms=())
-
-
-def test_readings_without_gravity_need_contacts_that_are_open():
-    flown = short("flight")
-    with pytest.raises(UnreadableInputError, match="gravity alone"):
-        replace(flown, contacts={})
-    with pytest.raises(UnreadableInputError, match="in g"):
-        replace(short("hook"), contacts=flown.contacts, base=_in_g(short("hook").base))
-
-
-def _in_g(base):
-    return replace(base, specific_force=base.specific_force / 9.80665)
-
-
-def test_a_hook_on_a_link_that_does_not_exist_is_refused():
-    one = short("hook")
-    wrong = replace(one, contacts={"hok": one.contacts["hook"]})
-    with pytest.raises(BadArgumentError, match="closest: hook"):
-        exoid.identify(machine(), wrong, terms=())
