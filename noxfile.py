@@ -38,8 +38,7 @@ def slow(session: nox.Session) -> None:
     wanted = "(slow or real_data) and not nightly"
     # A file stays in one process: what its tests share, such as a replay, is made once. The longest come first.
     options = ("--dist", "loadfile", "--no-loadscope-reorder", "--durations", "25")
-    files = session.posargs or ["tests", "tests/benchmarks/test_folder.py"]
-    session.run("pytest", "-p", "no:cacheprovider", "-m", wanted, *options, *files)
+    session.run("pytest", "-p", "no:cacheprovider", "-m", wanted, *options, *session.posargs)
 
 
 @nox.session

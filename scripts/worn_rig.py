@@ -1,6 +1,7 @@
 """Rigs with a wearer: logs of the leg alone, with a passive limb, and with an active wearer, and the true torque."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from exoid import Armature, Coulomb, Estimate, Leg, Recording, Stiffness, Viscou
 from exoid.experiments import gait_for_leg
 from exoid.experiments.bench import stiff_servo
 from exoid.experiments.references import Harmonics
-from exoid.rig import IdealTorque, Plant, Rates, Run, Sensors, Target, Wearer, simulate
+from exoid.rig import Controller, IdealTorque, Plant, Rates, Run, Sensors, Target, Wearer, simulate
 from exoid.signals import without_torque_delay
 from exoid.torques import Term
 
@@ -150,8 +151,16 @@ def active(one: Machine, seeds: list[int], seconds: float = 30.0) -> Run:
     return _run(one, motion, support, seconds, len(seeds), [*seeds, 2], wearer)
 
 
-def _run(one, motion, law, seconds, count, seed, wearer=None) -> Run:
-    options = {"sensors": one.sensors, "rates": RATES, "seed": np.random.default_rng(seed)}
+def _run(
+    one: Machine,
+    motion: Harmonics,
+    law: Controller,
+    seconds: float,
+    count: int,
+    seed: list[int],
+    wearer: Wearer | None = None,
+) -> Run:
+    options: dict[str, Any] = {"sensors": one.sensors, "rates": RATES, "seed": np.random.default_rng(seed)}
     if wearer is not None:
         options["wearer"] = wearer
     return simulate(one.plant.repeat(count), motion, law, IdealTorque(), seconds, **options)

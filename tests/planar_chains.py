@@ -249,11 +249,3 @@ def _joint(name: str, kind: str, parent: str, child: str, origin: pin.SE3, axis:
     turn = "" if axis is None else f'<axis xyz="{_numbers(axis)}"/>'
     ends = f'<parent link="{parent}"/><child link="{child}"/>'
     return f'<joint name="{name}" type="{kind}">{_origin(origin)}{ends}{turn}{limit}</joint>'
-
-
-def slanted_chain(rng: np.random.Generator, joints: int) -> Leg:
-    """A planar chain whose plane leans by 0.3 rad, which no planar model holds for."""
-    tilt = '<origin rpy="0.3 0 0"/><parent link="torso"/><child link="tilted"/>'
-    base = f'<link name="torso"/><link name="tilted"/><joint name="slant" type="fixed">{tilt}</joint>'
-    text = random_chain(rng, joints, axis="y").text.replace('<parent link="torso"/>', '<parent link="tilted"/>')
-    return Leg.from_description(describe(text.replace('<link name="torso"/>', base)))

@@ -81,18 +81,6 @@ def test_the_pages_on_control_name_every_law():
         assert f"`{name}" in text or f"{name}(" in text, name
 
 
-def test_a_page_that_forgets_an_import_fails(tmp_path):
-    page = Page("docs/none.md", "\n\nexoid.load_leg('bleex')\n", (), ())
-    with pytest.raises(AssertionError, match=r"docs/none.md.*line 3(.|\n)*NameError"):
-        page.run_python(tmp_path)
-
-
-def test_a_page_with_a_wrong_command_fails(tmp_path):
-    page = Page("docs/none.md", "", ("exoid --version", "exoid identify bleex none.csv"), ())
-    with pytest.raises(AssertionError, match=r"exoid identify bleex none.csv: exit status 2"):
-        page.run_commands(tmp_path)
-
-
 def test_the_page_of_benchmarks_names_every_benchmark_and_no_other():
     page = (DOCS.parent / "BENCHMARKS.md").read_text(encoding="utf-8")
     named = set(re.findall(r"tests/benchmarks/test_\w+\.py", page))

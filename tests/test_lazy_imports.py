@@ -10,27 +10,6 @@ import pytest
 
 import exoid
 
-FROM_NOTHING = """
-import sys
-
-import exoid
-
-
-def forget_exoid():
-    for name in [name for name in sys.modules if name.partition(".")[0] == "exoid"]:
-        del sys.modules[name]
-
-
-for name in exoid.__all__:
-    forget_exoid()
-    import exoid
-
-    assert name not in vars(exoid), name
-    getattr(exoid, name)
-    print(name)
-"""
-"""Third-party modules stay, as they know nothing of exoid."""
-
 
 def run(program):
     """Run Python in a fresh interpreter; return what it printed."""
@@ -68,11 +47,6 @@ def test_the_leg_in_three_dimensions_needs_no_matplotlib_and_trimesh_for_meshes_
     imported = top_level("import exoid; exoid.view.scene(exoid.load_leg('bleex'))")
     assert "pinocchio" in imported
     assert not imported & {"matplotlib", "meshcat", "trimesh", "yourdfpy"}
-
-
-@pytest.mark.nightly
-def test_every_public_name_can_be_the_first_that_is_used():
-    assert run(FROM_NOTHING).split() == exoid.__all__
 
 
 def test_nothing_below_the_command_line_imports_the_table_of_contents():

@@ -52,11 +52,3 @@ def test_every_page_of_the_docs_is_linked_from_contributing_and_readme_has_the_g
     assert {page for page in PAGES if page.parent == ROOT / "docs"} <= from_contributing
     from_readme = {target.name for target, _ in links_of(ROOT / "README.md")}
     assert {"glossary.md", "references.md", "architecture.md", "CONTRIBUTING.md"} <= from_readme
-
-
-def test_a_link_to_a_missing_page_or_heading_is_noticed(tmp_path):
-    (tmp_path / "a.md").write_text("# A\n[b](b.md) [a](#a) [x](a.md#none) `[not](a link)`\n", encoding="utf-8")
-    (b, _), (a, anchor), (_, none) = links_of(tmp_path / "a.md")
-    assert not b.exists()
-    assert anchor in headings_of(a)
-    assert none not in headings_of(a)

@@ -62,8 +62,3 @@ def test_every_script_that_a_page_names_exists_and_has_the_options(page):
         source += "".join(path.read_text(encoding="utf-8") for path in shared if path.is_file())
         for option in re.findall(r" (--[a-z][\w-]*)", options):
             assert f'"{option}"' in source or option == "--help", f"{name} {option}"
-
-
-def test_a_command_with_a_wrong_option_does_not_parse():
-    with pytest.raises(Exception, match="No such option"):
-        load_verb("view").make_context("exoid view", ["bleex", "--colour", "red"])

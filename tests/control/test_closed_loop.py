@@ -7,7 +7,6 @@ from controlled_legs import cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
 from exoid.control import ControlModel, State, compare_laws, gravity_friction_pd, pd, simulate_law, simulate_many
-from exoid.control.closed_loop import plant_step
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Target
 
@@ -93,16 +92,6 @@ def test_many_rigs_at_once_do_what_each_does_alone():
     for one, plant in zip(together, plants, strict=True):
         alone = simulate_law(plant, pd(KP, KD), healthy_gait(period=2.0), 0.6)
         np.testing.assert_allclose(one.q, alone.q, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("control", "log"), [(30.0, 100.0), (100.0, 100.0), (33.0, 100.0), (1000.0, 1000.0), (2.5, 4.0)]
-)
-def test_the_step_divides_both_periods(control, log):
-    step = plant_step(control, log)
-    assert 2.5e-4 <= step <= 5e-4 * (1.0 + 1e-12)
-    for rate in (control, log):
-        assert 1.0 / (rate * step) == pytest.approx(round(1.0 / (rate * step)), abs=1e-6)
 
 
 def test_controllers_are_compared_on_a_leg_in_space():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, true_torque
 
-import exoid
 from exoid.control import ControlModel
 from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
 
@@ -30,16 +29,6 @@ def test_everything_together_is_the_torque_that_the_estimate_predicts():
     for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
         whole = model.inverse_dynamics(q, v, a) + model.friction(q, v, width)
         np.testing.assert_allclose(whole, est.torque(q, v, a)[0], rtol=1e-12, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "leg", [LEG, exoid.load_leg("bleex"), exoid.load_leg("bleex", side="right", inertias="identified")]
-)
-def test_a_leg_alone_has_no_friction(leg):
-    model = ControlModel.of(leg)
-    q, v, a = RNG.uniform(-1.0, 1.0, (3, model.n))
-    np.testing.assert_allclose(model.inverse_dynamics(q, v, a), leg.inverse_dynamics(q, v, a)[0], atol=1e-12)
-    assert not model.friction(q, v, 0.0).any()
 
 
 class Cubic(Viscous):
@@ -80,12 +69,3 @@ def test_friction_that_grows_with_load_is_that_of_the_leg_at_rest_under_gravity(
     z = np.tanh(v.T.reshape(-1, 2) / 0.02)
     share = 0.5 * (drive * (1.0 + z * np.sign(gravity)) + back * (1.0 - z * np.sign(gravity)))
     np.testing.assert_allclose(control.friction(q, v, 0.02).T.reshape(-1, 2), np.abs(gravity) * z * share, atol=1e-12)
-
-
-def test_a_contact_that_bends_counts_as_one_that_slides():
-    own = dict(zip(LEG.parameter_names, LEG.parameters, strict=True))
-    values = {**own, "c0_hip": 1.0, "c0_knee": 0.5}
-    two = (Coulomb(presliding=1e-3), Coulomb())
-    bends, slides = (ControlModel.of(estimate_of(TorqueModel(LEG, (term,)), values)) for term in two)
-    q, v = RNG.uniform(-1.0, 1.0, (2, 2))
-    np.testing.assert_array_equal(bends.friction(q, v, 0.02), slides.friction(q, v, 0.02))

@@ -89,14 +89,6 @@ def test_joint_angles_reach_the_planned_places(machine, body):
         )
 
 
-def test_sitting_scales_with_chair_and_wearer():
-    small, tall = Body(0.38, 0.38, 0.1, -0.07, 0.12), Body(0.47, 0.47, 0.12, -0.08, 0.14)
-    low, high = (functions.sit(tall, seat=seat) for seat in (0.40, 0.50))
-    assert high.torso[-1, 1] - low.torso[-1, 1] == pytest.approx(0.1)
-    assert functions.sit(small).torso[-1, 1] == functions.sit(tall).torso[-1, 1]
-    assert functions.sit(small).flexion[-1, 0, 0] < functions.sit(tall).flexion[-1, 0, 0]
-
-
 def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):
     """The healthy stride, written as a table, makes the same walk."""
     stride = stride_flexion("healthy", 1.0)
@@ -107,14 +99,6 @@ def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):
     body = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES)
     again = functions.walk(body, reference=path, scale=1.0)
     np.testing.assert_allclose(again.flexion, functions.walk(body, scale=1.0).flexion, rtol=0, atol=0.02)
-
-
-def test_a_slope_turns_the_walk_and_leaves_the_torso(body):
-    level, up = functions.walk(body), functions.walk(body, angle=0.1)
-    assert np.allclose(up.flexion[..., 0] - level.flexion[..., 0], 0.1)
-    way = up.torso[-1] - up.torso[0]
-    assert np.arctan2(way[1], way[0]) == pytest.approx(0.1)
-    assert way[2] == 0.0
 
 
 REFUSED = {

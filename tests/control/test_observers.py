@@ -245,15 +245,6 @@ def test_band_of_the_parameters_is_the_spread_of_readings_with_other_parameters(
     np.testing.assert_allclose(readings.std(axis=0)[300:].mean(axis=0), found.std[300:].mean(axis=0), rtol=0.08)
 
 
-def test_columns_times_values_are_momentum_and_torque(estimate):
-    q, v = np.random.default_rng(2).uniform(-1.0, 1.0, (2, 20, 3))
-    exact = dataclasses.replace(estimate, model_error=None)
-    found = MomentumModel(ControlModel.of(exact), TERMS[0].smoothing, 1.0, exact).over(q, v)
-    for whole in (found.p, found.u):
-        by_columns = np.tensordot(whole[:, 1:], estimate.values, axes=(1, 0))
-        np.testing.assert_allclose(by_columns, whole[:, 0], rtol=1e-9, atol=1e-9)
-
-
 @pytest.mark.parametrize("pole", [0.0, 0.8, 0.98])
 def test_noise_crosses_the_threshold_as_often_as_asked(pole):
     rng = np.random.default_rng(0)
@@ -264,13 +255,6 @@ def test_noise_crosses_the_threshold_as_often_as_asked(pole):
     alarms = np.count_nonzero(above[1:] & ~above[:-1])
     minutes = samples / rate / 60.0
     assert alarms / minutes == pytest.approx(30.0, rel=0.12)
-
-
-def test_fine_sampling_of_smooth_noise_is_rices_formula():
-    """ρ = 1 − (ω T)²/2 with ω the RMS frequency."""
-    w, rate = 2.0 * np.pi * 5.0, 1e5
-    alarms = 60.0 * 2.0 * w / (2.0 * np.pi) * np.exp(-8.0)
-    assert threshold(alarms, 1.0 - 0.5 * (w / rate) ** 2, rate) == pytest.approx(4.0, rel=1e-4)
 
 
 def alarms_of(run, observer) -> np.ndarray:

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 from controlled_legs import cuhk_plant, exact_estimate
-from made_estimates import made
 
 import exoid
-from exoid import Coulomb, Stiffness
 from exoid.control import (
     PASSIVE,
     ControlModel,
@@ -24,7 +22,6 @@ from exoid.control import (
     stateful,
 )
 from exoid.rig import Target
-from exoid.torques import TorqueModel
 
 FRICTIONS = {
     "smooth": FrictionCompensation(),
@@ -108,24 +105,3 @@ def test_a_law_is_a_pure_function(name):
     np.testing.assert_array_equal(law.step(memory, state, target)[0], kept)
     for x, same in zip((state.q, state.v, target.q, target.v), before, strict=True):
         np.testing.assert_array_equal(x, same)
-
-
-def test_a_continuous_joint_is_no_exception(tmp_path):
-    """Pinocchio stores its angle as cosine and sine."""
-    text = (exoid.catalog.urdf_folder() / "cuhk.urdf").read_text(encoding="utf-8")
-    (tmp_path / "leg.urdf").write_text(text.replace('type="revolute"', 'type="continuous"'), encoding="utf-8")
-    turning = exoid.Leg.from_urdf(tmp_path / "leg.urdf", ("left_hip", "left_knee"), cumulative=False)
-    assert turning.model.nq == 4
-    q, still = np.array([0.3, 0.7]), np.zeros(2)
-    found = gravity_friction_pd(turning, 20.0, 2.0).torque(State(q, still), Target(q, still))
-    np.testing.assert_allclose(found, exoid.load_leg("cuhk").gravity(q)[0], rtol=1e-12)
-
-
-def test_springs_of_any_degree_are_compensated():
-    leg = exoid.load_leg("cuhk")
-    model = TorqueModel(leg, (Stiffness(degree=3), Coulomb()))
-    values = np.concatenate([leg.parameters, np.random.default_rng(1).uniform(0.0, 1.0, len(model.names) - 6)])
-    q, still = np.array([0.3, 0.7]), np.zeros(2)
-    estimate = made(model, values, np.eye(len(values)))
-    found = gravity_friction_pd(estimate, 20.0, 2.0).torque(State(q, still), Target(q, still))
-    np.testing.assert_allclose(found, estimate.torque(q, still, still)[0], rtol=1e-12)

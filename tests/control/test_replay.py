@@ -10,8 +10,6 @@ from controlled_legs import LEG, cuhk_plant, exact_estimate
 from exoid.control import (
     ControlModel,
     Limited,
-    State,
-    feedforward_pd,
     gravity_friction_pd,
     gravity_support,
     replay_law,
@@ -51,27 +49,6 @@ def test_gravity_support_commands_the_weight_at_the_angles_of_the_log(run):
     np.testing.assert_allclose(found.commanded, 0.5 * ControlModel.of(exact_estimate()).statics(log.q.T).T, atol=1e-12)
     assert found.law == "half"
     assert "half at 100 Hz" in str(found)
-
-
-def test_the_feedforward_of_the_right_model_explains_the_recorded_torque(run):
-    """Without a reference the motion of the log is the target, so that the model's torque remains."""
-    found = replay_law(feedforward_pd(exact_estimate(), 60.0, 6.0), run.recording)
-    assert (found.figures["rms_difference"] < 0.1 * found.figures["rms_recorded"]).all()
-    model = ControlModel.of(exact_estimate())
-    model = replace(model, coulomb=3.0 * model.coulomb, viscous=3.0 * model.viscous)
-    wrong = replay_law(feedforward_pd(model, 60.0, 6.0), run.recording)
-    assert (wrong.figures["rms_difference"] > 2.0 * found.figures["rms_difference"]).all()
-
-
-def test_a_slower_law_reads_the_log_at_its_own_rate(run):
-    slow = replay_law(
-        gravity_friction_pd(exact_estimate(), 60.0, 6.0, rate=40.0), replace(run.recording, v=run.v), GAIT
-    )
-    np.testing.assert_allclose(np.diff(slow.time), 1.0 / 40.0)
-    state = State(*(np.array([np.interp(slow.time[7], run.time, x) for x in y.T]) for y in (run.recording.q, run.v)))
-    aim = GAIT.at(slow.time[7])
-    by_hand = PD.torque(state, type(aim)(*(x[:, 0] for x in aim)))
-    np.testing.assert_allclose(slow.commanded[7], by_hand, atol=1e-9)
 
 
 def test_figures_of_a_replay():

@@ -7,7 +7,7 @@ import pytest
 from controlled_legs import cuhk_plant
 
 from exoid._typing import FloatArray
-from exoid.control import Limited, State, StatefulLaw, pd, simulate_law, simulate_many, stateful
+from exoid.control import Limited, State, pd, simulate_law
 from exoid.experiments import healthy_gait
 from exoid.rig import Target
 
@@ -31,18 +31,6 @@ class PI:
         error = target.q - state.q
         total = memory.total + error / self.rate
         return 20.0 * error + 5.0 * total, Sum(total)
-
-
-def test_a_law_with_memory_is_itself_and_one_without_gets_an_empty_memory():
-    law = PI()
-    assert isinstance(law, StatefulLaw)
-    assert stateful(law) is law
-    plain = stateful(pd(10.0, 1.0))
-    assert plain.rate == 100.0
-    memory = plain.begin(REST)
-    torque, after = plain.step(memory, REST, AIM)
-    assert memory == after == ()
-    np.testing.assert_array_equal(torque, pd(10.0, 1.0).torque(REST, AIM))
 
 
 def test_the_closed_loop_hands_the_memory_on():
@@ -78,11 +66,3 @@ def test_limits_act_on_a_law_with_memory_throughout_a_run():
     run = simulate_law(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)
     assert np.abs(run.tau).max() == pytest.approx(2.0)
     assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 0.5 + 1e-9
-
-
-def test_side_by_side_each_law_keeps_its_memory():
-    plant, gait = cuhk_plant(), healthy_gait()
-    laws = (PI(), pd(20.0, 1.0), Limited(PI(), limit=1.0))
-    together = simulate_many(plant.repeat(3), laws, gait, 0.3)
-    for one, law in zip(together, laws, strict=True):
-        np.testing.assert_allclose(one.tau, simulate_law(plant, law, gait, 0.3).tau, atol=1e-8)

@@ -19,17 +19,11 @@ from exoid.control import (
 )
 from exoid.errors import ExoidError
 from exoid.experiments import Hold
-from exoid.rig import Payload, Plant, Sensors, Target, Wearer, plant_with_payloads
+from exoid.rig import Payload, Plant, Sensors, Wearer, plant_with_payloads
 
 POSE = np.array([0.5, 0.8])
 HOLD = Hold(POSE[:, None])
 EXACT = Sensors(np.inf)
-
-
-def random_state(seed=0, columns=()):
-    rng = np.random.default_rng(seed)
-    q, v, last, pushed = rng.uniform(-1.0, 1.0, (4, 2, *columns))
-    return State(q, v, 0.1, last, pushed)
 
 
 # ------------------------------------------------------------------------------------------- friction
@@ -126,38 +120,6 @@ def test_the_wearer_feels_one_alphath_of_the_inertia(amplification):
     assert errors[2] < 0.03
     assert errors[1] < 0.5 * errors[0]
     assert errors[2] < 0.5 * errors[1]
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("amplification", [1.0, 10.0])
-def test_the_weight_is_not_felt(amplification):
-    still = Wearer(LIMB, muscle_stiffness=400.0, muscle_damping=20.0, intention=HOLD)
-    run = simulate_law(SMOOTH, sensitivity_amplification(SMOOTH, amplification), HOLD, 5.0, wearer=still, sensors=EXACT)
-    assert np.abs(run.interaction[-1]).max() < 1e-3 * np.abs(SMOOTH.leg.gravity(POSE)).max()
-
-
-def test_an_amplification_of_1_is_support_of_all_weight():
-    law, state = sensitivity_amplification(RUBBING, 1.0), random_state(6)
-    torque, _ = law.step(law.begin(state), state, Target(POSE, np.zeros(2)))
-    np.testing.assert_allclose(torque, gravity_support(RUBBING).torque(state, None), rtol=1e-12)
-
-
-@pytest.mark.nightly
-def test_friction_too_is_felt_less():
-    """Under Coulomb friction of 1.4 and 0.6 N·m; all of it is in the loop, and α = 5."""
-    runs = {
-        name: simulate_law(RUBBING, law, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
-        for name, law in {
-            "whole": sensitivity_amplification(RUBBING, 5.0, bandwidth=80.0, rate=1000.0),
-            "without": sensitivity_amplification(RUBBING, 5.0, bandwidth=80.0, rate=1000.0, friction=None),
-            "off": gravity_support(RUBBING, rate=1000.0),
-        }.items()
-    }
-    light = sensitivity_amplification(SMOOTH, 5.0, bandwidth=80.0, rate=1000.0)
-    smooth = simulate_law(SMOOTH, light, GAIT, 1.8, wearer=WALKING, settle=0.6, sensors=EXACT)
-    assert (runs["whole"].rms_interaction < 0.35 * runs["off"].rms_interaction).all()
-    excess = [np.std(runs[name].interaction - smooth.interaction) for name in ("whole", "without")]
-    assert excess[0] < 0.6 * excess[1]
 
 
 def test_a_model_that_is_too_heavy_makes_the_loop_unstable():

@@ -1,18 +1,14 @@
 """Planned motions keep their limits, start and stop at rest, and are as good as a search can tell."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import exoid
-from exoid.errors import ExoidError
 from exoid.experiments.excitation import MotionLimits, plan_excitation
 from exoid.experiments.excitation.fourier import Basis
 from exoid.experiments.excitation.objective import Objective, Stage
-from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.torques import DEFAULT_TERMS, TorqueModel
@@ -144,27 +140,3 @@ def test_tilting_the_torso_makes_hip_stiffness_known():
     upright, tilted = (plan.precision.std[plan.precision.names.index("b1_hip")] for plan in plans)
     assert tilted < 0.5 * upright
     assert [round(np.rad2deg(motion.pitch)) for motion in plans[1].motions] == [-30, 30]
-
-
-def test_a_numeric_leg_is_planned_too():
-    """Whatever the parameters are called."""
-    general = exoid.Leg.from_description(CUHK.description, CUHK.joint_names)
-    general = replace(general, machine=None)
-    plan = plan_excitation(general, (exoid.Viscous(),), noise=0.3, duration=6.0, highest=0.5, starts=1, criterion="d")
-    assert np.isfinite(plan.precision.std).all()
-
-
-def test_files_read_back_bit_by_bit(plan, tmp_path):
-    (path,) = write_plan(tmp_path / "plan.csv", plan)
-    read, written = exoid.Recording.from_csv(path), plan.recordings[0]
-    for name in ("time", "q", "v", "a", "tau"):
-        np.testing.assert_array_equal(getattr(read, name), getattr(written, name))
-
-
-def test_each_tilt_has_a_file(plan, tmp_path):
-    motions = (replace(plan.motions[0], pitch=-np.pi / 9.0), replace(plan.motions[0], pitch=np.pi / 9.0))
-    names = [path.name for path in write_plan(tmp_path / "plan.csv", replace(plan, motions=motions))]
-    assert names == ["plan_tilt-20.csv", "plan_tilt+20.csv"]
-    assert all((tmp_path / name).is_file() for name in names)
-    with pytest.raises(ExoidError, match=r"name the file \.csv"):
-        write_plan(tmp_path / "plan.txt", plan)

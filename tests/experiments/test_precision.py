@@ -124,27 +124,6 @@ def test_the_slow_motions_of_document_2_do_not_determine_inertia():
     assert any("quickly" in advice.what for advice in said.advice if "J1" in advice.parameters)
 
 
-def test_the_validation_motion_of_document_2_does_not_excite_the_inertia_of_the_shank():
-    """θh = θk keeps the shank from turning (claim 8)."""
-    said = assess(LEG, log(cuhk.validation_motion(), 60.0), (exoid.Coulomb(),), noise=0.3)
-    assert said.precision.std[said.precision.names.index("J2")] == np.inf
-
-
-def test_a_good_recording_needs_no_advice(multisine):
-    said = assess(LEG, log(multisine), noise=0.3)
-    assert said.advice == ()
-    assert set(said.precision.identifiability) == {"well"}
-    assert "every parameter is determined well" in str(said)
-
-
-def test_scales_do_not_depend_on_speed_limits():
-    """Two motions are judged alike; only what is near zero gets a floor."""
-    slow = Scales.of(MODEL, MotionLimits.of(LEG, velocity=0.5, acceleration=1.0))
-    np.testing.assert_array_equal(slow.scale, SCALES.scale)
-    assert SCALES.scale[0] == LEG.parameters[0]
-    assert SCALES.scale[MODEL.names.index("offset_hip")] == pytest.approx(0.1 * SCALES.typical_torque[0], rel=0.02)
-
-
 def test_a_slow_log_is_assessed_behind_the_cutoff_with_which_it_will_be_identified(multisine):
     """At 10 Hz a cut-off of 8 Hz is impossible; the default of identify is 2 Hz."""
     slow = log(multisine, 60.0)

@@ -5,7 +5,7 @@ import pytest
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.experiments import Harmonics, bleex, cuhk, healthy_gait
+from exoid.experiments import bleex, cuhk, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from exoid.torques import TorqueModel
 
@@ -49,18 +49,6 @@ def test_pairs_are_half_a_turn_apart_at_the_same_ankle_angle(sets):
     np.testing.assert_array_equal(first[:, 2], second[:, 2])
 
 
-def test_there_are_100_random_poses_and_five_frequencies(sets):
-    assert sets.random.shape == (100, 3)
-    assert bleex.FREQUENCIES == (0.2, 0.4, 0.6, 0.8, 1.0)
-    assert len(sets.all) == len(sets.ankle) + len(sets.knee) + len(sets.pairs) + 100
-    motions = bleex.dynamic_motions()
-    for joint in range(3):
-        for k, frequency in enumerate(bleex.FREQUENCIES):
-            one, other = (motions.at(t).q[:, bleex.swing_index(joint, k)] for t in (0.25 / frequency, 0.75 / frequency))
-            assert (np.flatnonzero(np.abs(one - other) > 1e-9) == [joint]).all()
-            np.testing.assert_allclose((one + other) / 2.0, bleex.CENTRE)
-
-
 def test_splitting_poses_needs_all_of_them(sets):
     poses = exoid.signals.Poses(sets.all, sets.all, ("hip", "knee", "ankle"))
     parts = sets.split(poses)
@@ -75,12 +63,6 @@ def test_row_1_takes_the_knee_every_5_degrees_from_10_at_one_difference():
     assert knee[0] == pytest.approx(10.0)
     np.testing.assert_allclose(np.diff(knee), 5.0)
     np.testing.assert_allclose(knee - hip, -10.0)
-
-
-def test_row_2_takes_40_random_pairs():
-    poses = cuhk.random_poses(np.random.default_rng(1))
-    assert poses.shape == (40, 2)
-    assert (np.ptp(poses, axis=0) > 1.0).all()
 
 
 @pytest.mark.parametrize(("row", "joint"), [(3, cuhk.HIP), (4, cuhk.KNEE), (5, cuhk.HIP)])
@@ -110,11 +92,3 @@ def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
     model = TorqueModel(leg, (*terms, exoid.Offset(joints=("hip",))))
     assert cuhk._condition(model, many) < 60.0
     assert cuhk._condition(model, many) < cuhk._condition(model, few)
-
-
-def test_concatenated_motions_are_unchanged():
-    both = Harmonics.concatenate([healthy_gait(), healthy_gait(), cuhk.swing(1)])
-    np.testing.assert_allclose(
-        both.at(1.3).q, np.hstack([np.tile(healthy_gait().at(1.3).q, 2), cuhk.swing(1).at(1.3).q])
-    )
-    np.testing.assert_allclose(both.at(1.3).v[:, :1], healthy_gait().at(1.3).v)

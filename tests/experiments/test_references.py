@@ -57,13 +57,6 @@ def test_a_fit_finds_the_series_that_made_the_samples():
             np.testing.assert_allclose(ours, true, rtol=1e-9, atol=1e-9)
 
 
-def test_a_fit_of_too_few_harmonics_is_the_best_there_is():
-    """Over whole periods of even samples it is the truncated series."""
-    time = np.arange(50) / 50.0
-    found = fit_harmonics(time, np.array([GAIT.at(t).q[:, 0] for t in time]), 1.0, 2)
-    np.testing.assert_allclose(found.amplitude, GAIT.amplitude[:2], atol=1e-12)
-
-
 def test_a_stride_bends_the_hip_forwards_and_the_knee_backwards_on_every_leg():
     """Seen in space: the ankle's place in the plane is the same on both built-in legs, whatever their axes."""
     for time in (0.0, 2.0, 6.5):

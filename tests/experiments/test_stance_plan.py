@@ -10,7 +10,6 @@ from standing import mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous
 from exoid.experiments.excitation import plan_stance, run_stance
-from exoid.experiments.excitation.plan_files import write_plan
 from exoid.experiments.excitation.precision import predict
 from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.experiments.ground.posture import planar_legs
@@ -152,23 +151,3 @@ def test_one_foot_names_what_cannot_be_told_apart():
     assert "exoid plan --supports says on which links" in str(found)
     with pytest.raises(ExoidError, match="J0"):
         exoid.identify(EXO, found.recordings, terms=())
-
-
-@pytest.mark.slow
-def test_files_have_contacts_and_are_identified(plan, tmp_path):
-    files = write_plan(tmp_path / "squat.csv", plan)
-    assert [file.name for file in files] == ["squat_left.csv", "squat_right.csv"]
-    logs = [exoid.signals.Recording.from_csv(file) for file in files]
-    assert logs[0].contacts["left_foot"].all()
-    assert not logs[0].contacts["right_foot"].any()
-    found = exoid.identify(EXO, logs, terms=())
-    np.testing.assert_allclose(found.values, EXO.parameters, rtol=2e-3)
-
-
-def test_a_machine_of_one_leg_stands_on_it():
-    one = exoid.load_leg("bleex", base="floating")
-    found = plan_stance(one, (), feet=("left_foot",), noise=0.4, duration=10.0)
-    grades = dict(zip(found.precision.names, found.precision.identifiability, strict=True))
-    assert {"X0", "Y0"} <= {name for name, grade in grades.items() if grade != "not"}
-    assert grades["J0"] == grades["M"] == "not"
-    assert list(found.recordings[0].contacts) == ["left_foot"]

@@ -14,7 +14,6 @@ from exoid.codegen.forms import FORMS
 from exoid.identification.estimators import JointML, wls
 from exoid.signals import ZeroPhase
 from exoid.torques import Term, TorqueModel, register_term
-from exoid.torques.catalog import term_to_json
 
 LEG = exoid.load_leg("cuhk")
 FRICTION = (Coulomb(), Viscous())
@@ -61,10 +60,6 @@ class TestTerms:
             estimate.save(tmp_path / "est.json")
         assert not list(tmp_path.iterdir())
 
-    def test_it_can_be_a_decorator(self, forgetful):
-        assert register_term("thick")(Thick) is Thick
-        assert term_to_json(Thick()) == {"term": "thick", "from": __name__, "joints": None, "setting": None}
-
 
 class TestSymbolsOfExoid:
     """A term from outside may use a symbol of exoid's: it stays what it is everywhere."""
@@ -77,14 +72,6 @@ class TestSymbolsOfExoid:
         urdf = export.urdf.read_text(encoding="utf-8")
         assert f'damping="{estimate.value("d_hip")!r}"' in urdf
         assert f'damping="{estimate.value("d_knee")!r}"' not in urdf
-
-    def test_a_negative_parameter_of_it_is_not_raised_to_zero(self, forgetful, tmp_path):
-        register_term("thick", Thick)
-        estimate = estimate_of(Thick())
-        values = np.where([name == "d_knee" for name in estimate.names], -0.4, estimate.values)
-        export = estimate_of(Thick(), values=values).to_urdf(tmp_path / "leg.urdf")
-        assert export.not_dissipative == ()
-        assert export.to_json()["values"]["d_knee"] == -0.4
 
 
 class TestEstimators:
@@ -114,18 +101,10 @@ class TestEstimators:
             exoid.identify(LEG, recording, FRICTION, wrong)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Worded(Thick):
-    """A term with a field that files use for its name."""
-
-    term: str = "word"
-
-
 @pytest.mark.parametrize(
     ("word", "call"),
     [
         *(("is no type of term", lambda x=x: register_term("thick")(x)) for x in (Thick(), ZeroPhase, print)),
-        ("Worded has a field 'term'", lambda: register_term("worded", Worded)),
         ("the term 'viscous' exists: exoid.torques.terms.Viscous", lambda: register_term("viscous", Thick)),
     ],
 )

@@ -64,11 +64,6 @@ def test_a_leg_made_for_it_describes_every_motion_of_its_base(leg):
     assert_relative(leg.regressor(*motion) @ leg.parameters, leg.inverse_dynamics(*motion), TOLERANCE)
 
 
-def test_a_moving_base_shows_more_parameters_than_a_fixed_one():
-    fixed, moving = (Leg.from_urdf(urdf_of("ur5"), base=base) for base in ("fixed", "moving"))
-    assert (len(fixed.parameter_names), len(moving.parameter_names)) == (36, 42)
-
-
 def test_a_spatial_leg_of_a_fixed_base_refuses_a_moving_one():
     leg = Leg.from_urdf(urdf_of("ur5"))
     motion = random_motion(np.random.default_rng(0), 6, 5)
@@ -92,10 +87,3 @@ def test_the_torque_out_of_the_plane_is_that_of_pinocchio_and_nothing_moves_it_s
     )
     bound = products * leg.parameters[2]  # J of the whole leg
     assert (np.abs(out_of_plane_torque(leg, *motion, turning)[0]) <= bound + 1e-12).all()
-
-
-def test_specific_force_moves_along_the_base_and_back():
-    rng = np.random.default_rng(6)
-    base = BaseKinematics(*rng.normal(size=(3, 20, 3)))
-    there = np.array([0.1, -0.2, 0.3])
-    assert np.allclose(base.moved(there).moved(-there).specific_force, base.specific_force, atol=1e-14)

@@ -106,20 +106,6 @@ def test_mass_matrix_gravity_and_jacobian_are_those_of_the_torque(leg):
     np.testing.assert_allclose((ends[1] - ends[0]) / (2 * h), velocity, atol=1e-7)
 
 
-def test_a_sample_does_not_depend_on_its_neighbours(leg):
-    q, v, a = random_motion(leg, 400)
-    together = leg.inverse_dynamics(q, v, a)
-    some = np.arange(0, 400, 37)
-    alone = np.vstack([leg.inverse_dynamics(q[k], v[k], a[k]) for k in some])
-    np.testing.assert_allclose(together[some], alone, atol=1e-11 * np.abs(alone).max())
-
-
-def test_a_weld_of_the_last_link_holds_all_joints_of_a_triangle(tmp_path):
-    machine = four_bar_knee(0)
-    with pytest.raises(BadArgumentError, match="take 3 freedoms of their joints, and 2 joints are dependent"):
-        machine.leg(tmp_path, machine.loops.replace('"pin"', '"weld"'))
-
-
 WRONG = {
     "a rod too short to close": ('"rear", xyz = [', '"rear", xyz = [0.5, 0, 0], rpy = [', BadArgumentError, "a gap of"),
     "an unknown link": ('"rear"', '"raer"', BadArgumentError, "no link 'raer'"),

@@ -112,16 +112,6 @@ def test_a_torso_motion_is_one_of_the_base_in_axes_that_turn_with_it():
     np.testing.assert_allclose(W[:, 3:, 4:], exoid.load_exo("cuhk").regressor(q, v, a, torso), atol=1e-12)
 
 
-def test_a_still_machine_weighs_m_g_on_its_base():
-    exo = exoid.load_exo("bleex", base="floating")
-    rows = exo.gravity(np.zeros((1, 6)))[0]
-    M = exo.parameters[0]
-    forward = sum(value for name, value in zip(exo.parameter_names, exo.parameters, strict=True) if name[0] == "Y")
-    np.testing.assert_allclose(rows[:3], [0.0, 9.81 * M, 9.81 * forward], atol=1e-12)
-    assert exo.row_names[:3] == ("base_forward", "base_up", "base_pitch")
-    assert pytest.approx(25.0 + 2 * (4.75 + 4.2 + 3.1)) == M
-
-
 def test_many_samples_are_those_of_single_ones():
     exo, rng = exoid.load_exo("bleex", base="floating"), np.random.default_rng(6)
     flight = Flight.random(exo, rng, 9000, within_plane=True)
@@ -182,25 +172,6 @@ def test_limbs_are_named_by_their_side_or_their_first_joint(names, labels):
     assert leg.parameter_names[-1] == f"J2_{labels[1]}"
 
 
-def test_a_single_leg_is_one_limb_without_a_label():
-    single = exoid.load_leg("bleex")
-    (limb,) = single.limbs
-    assert limb.chain is single.chain
-    assert (limb.label, limb.joints) == ("", slice(0, 3))
-    floating = Leg.from_description(single.description, single.joint_names, base="floating")
-    assert floating.parameter_names == ("M", "X0", "Y0", "J0", *single.parameter_names)
-    assert floating.chain is None
-    np.testing.assert_allclose(floating.parameters[4:], single.parameters)
-
-
-def test_limbs_in_different_planes_are_no_machine():
-    rng = np.random.default_rng(2)
-    one, other = (random_machine(rng, (2,), (name,), axis) for name, axis in (("a_", "x"), ("b_", "y")))
-    both = type(one)(one.torso, (*one.chains, *other.chains)).leg(base="fixed")
-    assert both.limbs == ()
-    assert not both.limbs
-
-
 # ------------------------------------------------------------------------------------------------------ other robots
 
 
@@ -220,13 +191,6 @@ def test_a_floating_tree_of_n_revolute_joints_has_10_and_7_n_parameters(robot):
     assert robot.parameter_names[0].startswith(f"m_{robot.description.root_link} + m_")
     mass = robot.parameters[0]
     assert mass == pytest.approx(pin.computeTotalMass(Flight.random(robot, np.random.default_rng(0), 1).model))
-
-
-def test_a_still_base_is_upright(robot):
-    q = np.random.default_rng(0).normal(size=(3, len(robot.joint_names)))
-    rows = robot.gravity(q)
-    np.testing.assert_allclose(rows[:, 2], 9.81 * robot.parameters[0])
-    np.testing.assert_allclose(robot.regressor(q, 0 * q, 0 * q) @ robot.parameters, rows, atol=1e-9)
 
 
 # ----------------------------------------------------------------------------------------- power, momentum, mass

@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-import yourdfpy
 from mujoco_torques import mujoco_model, mujoco_torque
 from planar_chains import assert_relative, random_chain, random_motion
 
@@ -79,19 +78,6 @@ def test_mujoco_has_the_same_inverse_dynamics(name, inertias, side):
     np.testing.assert_allclose(torque, leg.regressor(q, v, a) @ leg.parameters, rtol=0, atol=1e-9)
 
 
-def test_yourdfpy_places_the_segments_alike(built_in_leg):
-    leg = built_in_leg
-    robot = yourdfpy.URDF.load(str(urdf_folder() / leg.description.name), load_meshes=False, build_scene_graph=True)
-    q = np.random.default_rng(3).uniform(-1.5, 1.5, (10, len(leg.joint_names)))
-    placed = leg.forward_kinematics(q)
-    for i, angles in enumerate(q):
-        robot.update_cfg(dict(zip(leg.joint_names, angles, strict=True)))
-        for j, joint in enumerate(leg.joint_names):
-            expected = robot.get_transform(leg.description.child_links[joint])
-            np.testing.assert_allclose(placed.rotation[i, j], expected[:3, :3], atol=1e-12)
-            np.testing.assert_allclose(placed.translation[i, j], expected[:3, 3], atol=1e-12)
-
-
 # ------------------------------------------------------------------------------ joints, locked and not
 
 
@@ -121,12 +107,6 @@ def test_joints_that_are_neither_moving_nor_locked_are_held_at_zero(leg):
     assert_relative(thigh_and_shank.inverse_dynamics(q, v, a), expected, 1e-12)
 
 
-def test_no_joints_named_means_every_joint_of_one_degree_of_freedom():
-    chain = random_chain(np.random.default_rng(6), 4, continuous=True)
-    assert Leg.from_description(chain.description).joint_names == ("hip", "knee", "ankle", "toe")
-    assert Leg.from_description(chain.description, locked={"knee": 1.0}).joint_names == ("hip", "ankle", "toe")
-
-
 def test_continuous_joints_compute_like_revolute_ones_and_have_no_limits():
     rng = np.random.default_rng(7)
     chain = random_chain(rng, 3)
@@ -154,14 +134,6 @@ def test_zeros_of_a_cad_exporter_are_no_limits(tmp_path):
         MotionLimits.of(leg)
     assert refused.value.joints == ("left_knee",)
     assert MotionLimits.of(leg, margin=0.0, angles_deg={"left_knee": (-90.0, -5.0)}).upper[1] == np.deg2rad(-5.0)
-
-
-def test_limits_of_continuous_and_revolute_joints_mix():
-    text = random_chain(np.random.default_rng(8), 3).text.replace('"revolute"', '"continuous"', 1)
-    limits = Leg.from_description(describe(text)).limits
-    np.testing.assert_array_equal(limits.lower, [-np.inf, -3.0, -3.0])
-    np.testing.assert_array_equal(limits.velocity[1:], [10.0, 10.0])
-    np.testing.assert_array_equal(limits.effort[1:], [100.0, 100.0])
 
 
 @pytest.mark.parametrize(

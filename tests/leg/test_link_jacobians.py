@@ -96,26 +96,3 @@ def test_a_link_that_a_contact_holds_stays_where_it_is(planar):
         places.append(data.oMf[frame].copy())
     drift = pin.log6(places[1].actInv(places[0])).vector / (2.0 * step)
     np.testing.assert_allclose(drift, 0.0, atol=1e-7)
-
-
-def test_directions_of_a_planar_contact_are_forward_up_and_pitch_of_a_flat_foot():
-    exo = exoid.load_exo("bleex", base="floating")
-    q = np.array(
-        [[0.3, -0.5, 0.2, 0.0, 0.0, 0.0], [0.4, -0.6, 0.1, 0.0, 0.0, 0.0]]
-    )  # left foot: flat, and pitched by −0.1
-    J = exo.contact_jacobian(q, "left_foot")
-    np.testing.assert_allclose(J[0, :2, :2], np.eye(2), atol=1e-15)
-    c, s = np.cos(-0.1), np.sin(-0.1)
-    np.testing.assert_allclose(J[1, :2, :2], [[c, s], [-s, c]], atol=1e-15)
-    np.testing.assert_allclose(J[:, 2], np.tile([0, 0, 1, 1, 1, 1, 0, 0, 0], (2, 1)), atol=1e-15)
-    np.testing.assert_array_equal(exoid.load_exo("bleex").contact_jacobian(q, "left_foot"), J[..., 3:])
-    np.testing.assert_array_equal(exoid.load_leg("bleex").contact_jacobian(q[:, :3], "left_foot"), J[..., 3:6])
-
-
-def test_a_link_with_the_name_of_a_joint_is_found():
-    text = exoid.load_leg("bleex").description.text.replace('"left_foot"', '"left_ankle"')
-    leg = Leg.from_description(exoid.leg.description.describe(text, name="names.urdf"))
-    q = np.random.default_rng(0).normal(size=(4, 6))
-    np.testing.assert_array_equal(
-        leg.frame_jacobian(q, "left_ankle", POINT), exoid.load_exo("bleex").frame_jacobian(q, "left_foot", POINT)
-    )

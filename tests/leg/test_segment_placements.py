@@ -44,14 +44,3 @@ def test_frames_are_those_of_pinocchio(name):
         for j in range(model.njoints - 1):
             np.testing.assert_allclose(placed.rotation[i, j], data.oMi[j + 1].rotation, rtol=0.0, atol=1e-12)
             np.testing.assert_allclose(placed.translation[i, j], data.oMi[j + 1].translation, rtol=0.0, atol=1e-12)
-
-
-def test_joints_of_several_degrees_of_freedom_are_neutral_as_in_the_configuration():
-    model = pin.Model()
-    base = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Random(), "base")
-    model.addJoint(base, pin.JointModelRX(), pin.SE3.Random(), "hip")
-    q = np.random.default_rng(1).standard_normal((5, model.nv))
-    placed, data = segment_placements(model, q), model.createData()
-    for i, row in enumerate(configuration(model, q)):
-        pin.forwardKinematics(model, data, row)
-        np.testing.assert_allclose(placed.rotation[i], [each.rotation for each in list(data.oMi)[1:]], atol=1e-12)

@@ -68,20 +68,3 @@ def test_links_of_changed_parameters_go_into_a_urdf_with_the_torso(name):
         describe(text, name="again.urdf"), exo.joint_names, base="floating", cumulative=exo.cumulative
     )
     np.testing.assert_allclose(again.parameters, values, rtol=1e-11, atol=1e-12)
-
-
-def test_a_mass_beyond_those_of_the_links_is_not_possible():
-    exo = exoid.load_exo("bleex", base="floating")
-    names = list(exo.parameter_names)
-    values = exo.parameters.copy()
-    values[names.index("M")] = 3.0
-    assert not exoid.lift.check_physical(exo, values)
-    assert exoid.lift.check_physical(exo, exo.parameters)
-
-
-def test_the_command_line_knows_both_legs(exoid_, walk):
-    walk.to_csv("walk.csv")
-    options = ("identify", "bleex", "walk.csv", "-o", "est.json", "--terms", "none", "--no-check")
-    assert "both sides" in exoid_(*options).err
-    assert exoid_(*options, "--side", "both").code == 0
-    assert "J3_right" in exoid.Estimate.load("est.json").names

@@ -31,12 +31,6 @@ def test_the_table_names_every_room(script):
         assert f"| {number} | `{room}` |" in page
 
 
-def test_arrows_that_follow_from_others_are_left_out(script):
-    imports = {"a": frozenset("bcd"), "b": frozenset("c"), "c": frozenset(), "d": frozenset()}
-    expected = {"a": frozenset("bd"), "b": frozenset("c"), "c": frozenset(), "d": frozenset()}
-    assert script["reduced"](imports) == expected
-
-
 def test_the_route_of_a_recording_is_what_the_script_prints():
     ran = subprocess.run(
         [sys.executable, ROOT / "scripts" / "route.py"], capture_output=True, text=True, check=True, cwd=ROOT

@@ -36,24 +36,3 @@ def test_a_model_is_read_as_its_own_parameters(scripts):
 
     found = task.read_as_parameters(leg, torque)
     np.testing.assert_allclose(list(found.values()), [*leg.parameters, *coulomb, *viscous], rtol=1e-9, atol=1e-10)
-
-
-def test_a_limb_alone_moves_as_on_its_machine(scripts, tmp_path):
-    task, *_ = scripts
-    leg = exoid.load_leg("bleex", side="left")
-    (tmp_path / "leg.urdf").write_text(task.one_limb(ROOT / "urdf" / "bleex.urdf", leg.joint_names))
-    alone = exoid.Leg.from_urdf(tmp_path / "leg.urdf", leg.joint_names)
-    moved = task.states(3)
-    np.testing.assert_allclose(alone.inverse_dynamics(*moved), leg.inverse_dynamics(*moved), rtol=1e-10)
-
-
-def test_rows_near_a_reversal_are_found(scripts):
-    task, _, reversals = scripts
-    time = np.arange(0.0, 4.0, 0.01)
-    q = np.sin(np.outer(time, [1.0, 2.0]))
-    rows = task.Rows(q, np.cos(np.outer(time, [1.0, 2.0])), -q, q)
-    near = reversals.near_reversals(rows, 100.0)
-    turns = [np.pi / 2, np.pi / 4]
-    for joint, turn in enumerate(turns):
-        assert near[np.abs(time - turn) < 0.08, joint].all()
-        assert not near[np.abs(time - turn - 0.5) < 0.2, joint].any()

@@ -55,17 +55,6 @@ def test_a_continuous_loop_is_integrated_to_second_order(plant, expected):
     assert errors[1] < 0.35 * errors[0]
 
 
-def test_the_torque_is_that_of_the_controller_at_the_sample(plant):
-    ran = followed(plant, 1e-3)
-    for k in (0, 17, 100):
-        target = Swing().at(0.01 * k)
-        np.testing.assert_allclose(ran.tau[k], PD.command(target, ran.q[k], ran.v[k]), rtol=1e-12)
-
-
-def test_many_rigs_behave_like_single_rigs(plant):
-    np.testing.assert_allclose(followed(plant.repeat(3), 2e-3).q[..., 2:], followed(plant, 2e-3).q, atol=1e-10)
-
-
 DT = 5e-4
 
 

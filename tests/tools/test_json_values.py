@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from exoid.tools.json_values import json_value, named
+from exoid.tools.json_values import json_value
 
 
 class Point(NamedTuple):
@@ -55,17 +55,6 @@ def test_records_are_written_field_by_field_in_their_order():
     assert text == (
         '{"ends": [{"x": 0.0, "y": 1.0}, {"x": 2.0, "y": null}], "weights": [[0.1, null], [1.0, 2.0]], "label": "a"}'
     )
-
-
-def test_numbers_keep_every_bit():
-    x = np.random.default_rng(0).standard_normal(1000) * 10.0 ** np.arange(-500, 500).clip(-300, 300)
-    np.testing.assert_array_equal(json.loads(json.dumps(json_value(x))), x)
-
-
-def test_entries_get_their_names():
-    assert named(("hip", "knee"), np.array([[1.0, 2.0], [np.nan, 4.0]])) == {"hip": [1.0, 2.0], "knee": [None, 4.0]}
-    with pytest.raises(ValueError, match="shorter"):
-        named(("hip", "knee"), np.zeros(1))
 
 
 @pytest.mark.parametrize("value", [{1, 2}, object(), 1j, b"bytes", Line])

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from exoid.tools.tables import NARROWEST, WIDTH, html_table, line_width, make_table, to_text, with_error
+from exoid.tools.tables import WIDTH, html_table, line_width, make_table, to_text, with_error
 
 
 @pytest.mark.parametrize(
@@ -26,11 +26,6 @@ from exoid.tools.tables import NARROWEST, WIDTH, html_table, line_width, make_ta
 )
 def test_a_value_is_written_to_the_second_digit_of_its_deviation(value, std, written):
     assert with_error(value, std) == written
-
-
-def test_names_stand_left_and_numbers_right():
-    text = to_text(make_table(("name", "value"), [("a", "1.0"), ("longer", "10.0")]))
-    assert text.splitlines() == [" name     value", " ──────────────", " a          1.0", " longer    10.0"]
 
 
 def test_brackets_and_colons_in_names_are_no_markup():
@@ -63,22 +58,6 @@ def test_markup_in_html_tables_is_escaped():
         "<b>",
         "<script>alert(1)</script>",
     ]
-
-
-def test_a_table_too_wide_for_a_terminal_is_cut_between_columns():
-    numbers = [[f"{row}.{column}2345" for column in range(12)] for row in range(3)]
-    table = make_table(
-        ("joint", *(f"column {k} [N·m]" for k in range(12))), [(f"joint {k}", *numbers[k]) for k in range(3)]
-    )
-    token = line_width.set(NARROWEST)
-    try:
-        text = to_text(table)
-    finally:
-        line_width.reset(token)
-    assert max(map(len, text.splitlines())) <= NARROWEST
-    assert all(number in text.split() for row in numbers for number in row)
-    assert text.count("joint 1") >= 2
-    assert max(map(len, to_text(table).splitlines())) > NARROWEST
 
 
 def test_a_table_at_60_columns_loses_no_letter_of_a_cell():

@@ -48,18 +48,6 @@ def test_a_law_that_knows_the_machine_follows_squats_with_both_soles_on_the_grou
     assert len(log) == len(run.time)
 
 
-def test_the_same_law_holds_at_100_hz_and_on_a_slope(truth, reference):
-    loop, run = run_of(truth, reference, stance(truth, kp=60.0, kd=12.0), rates=Rates(100.0, 100.0, 5e-4))
-    assert largest_error(loop, run) < 0.06
-    leaning = replace(truth, ground_lean=np.deg2rad(3.0))
-    still = ground.stance_motion(truth, 0.3, stance=ground.Stance(squat=0.0, shift=0.0, bow=0.0))
-    tilted = replace(still, base=still.base + np.array([0.0, 0.0, leaning.ground_lean]))
-    loop = GroundLoop(stance(leaning), tilted, lean=leaning.ground_lean)
-    run = simulate_on_ground(leaning, still, loop, rates=RATES)
-    assert largest_error(loop, run) < 0.03
-    assert all((foot.points == 2).all() for foot in run.feet.values())
-
-
 @pytest.mark.parametrize(("wearer", "largest"), [(SPASTIC, 0.05), (GroundWearer(effort=0.3), 0.25)])
 def test_torques_of_a_wearer_act_beside_those_of_the_machine_and_are_known(truth, reference, wearer, largest):
     """The law does not know of the muscles: what they bear moves the machine against its gains."""

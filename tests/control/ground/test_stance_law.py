@@ -180,15 +180,6 @@ def test_known_forces_are_taken_into_account(machine):
     assert np.allclose(law.command(state._replace(interaction=wearer), target).torque, alone.torque - wearer, atol=1e-6)
 
 
-def test_a_machine_without_ankles_stands_on_points():
-    """CUHK-EXO holds no moment at its passive ankles."""
-    law = stance(exoid.load_exo("cuhk", base="floating"))
-    q, contacts = np.array([0.35, 0.4, -0.1, 0.3]), {"left_shank": "flat", "right_shank": "flat"}
-    command = law.command(GroundState(q, np.zeros(4), 0.0, 0.0, contacts), GroundTarget(q, np.zeros(4)))
-    assert [len(force) for force in command.forces.values()] == [2, 2]
-    assert all(abs(force[0]) <= 0.6 * force[1] + 1e-2 for force in command.forces.values())
-
-
 def test_a_contact_without_a_share_leaves_without_a_step(machine):
     """Also where the leg is off its reference and moves, so that its constraint changes the accelerations."""
     law, state = stance(machine), state_of(4)

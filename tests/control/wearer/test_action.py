@@ -82,18 +82,3 @@ def test_a_constant_torque_does_not_act_but_is_said_to_be_there():
     offset = judge(evidence_of(now + np.array([[2.0], [0.0]]), before, 0.6))
     assert [each.acts for each in offset] == [False, False]
     assert [each.steady for each in offset] == [True, False]
-
-
-def test_systematic_errors_count_as_one_degree_of_freedom():
-    rng = np.random.default_rng(10)
-    now, before = 3.0 * noise(rng, 0.6, SAMPLES, 1), noise(rng, 0.6, TRAINED, 1)
-    assert judge(evidence_of(now, before, 0.6))[0].acts
-    assert not judge(evidence_of(now, before, 0.6, systematic=4.0))[0].acts
-
-
-def test_joints_without_evidence_are_not_tested():
-    found = judge(
-        Evidence(*np.array([[np.nan, 9.0], [np.nan, 0.0], [1.0, 0.0], [0.0, 0.0], [50.0, 50.0], [50.0, 50.0]]))
-    )
-    assert [np.isnan(each.p_value) for each in found] == [True, True]
-    assert not any(each.acts or each.steady for each in found)

@@ -66,15 +66,6 @@ def test_touch_downs_begin_a_cycle():
     assert not known[recording.time < 1.2].any()
 
 
-def test_given_strides_count_first():
-    recording, _ = walking()
-    found = find_phase(recording, [2.0, 4.0, 7.0])
-    values = found.values[np.isin(np.round(recording.time, 6), [3.0, 5.5])]
-    assert np.allclose(values, 0.5)
-    assert found.period == 2.5
-    assert np.isnan(found.values[recording.time < 2.0]).all()
-
-
 @pytest.mark.parametrize("strides", [[1.0], [2.0, 1.0], [1.0, np.nan], [100.0, 101.0]])
 def test_wrong_strides_are_refused(strides):
     with pytest.raises(BadArgumentError):
@@ -91,12 +82,3 @@ def test_the_profile_is_the_mean_over_each_part_of_the_cycle():
     assert np.allclose(found.rms[:, 1], 1.0)
     assert np.allclose(found.power[:, 1], -1.0)
     assert found.samples.sum() == len(phase)
-
-
-def test_samples_without_a_phase_and_empty_bins_are_left_out():
-    phase = np.array([np.nan, 0.1, 0.1])
-    found = profile(np.array([[9.0], [1.0], [3.0]]), np.ones((3, 1)), phase, bins=2)
-    assert found.mean[0, 0] == 2.0
-    assert np.isnan(found.mean[1, 0])
-    with pytest.raises(BadArgumentError):
-        profile(np.ones((3, 1)), np.ones((3, 1)), phase, bins=0)

@@ -67,14 +67,6 @@ def test_the_sign_is_that_of_the_torque_on_the_leg(estimate, worn):
     assert (exoid.interaction(estimate, drives).power > 0.0).all()
 
 
-def test_it_is_the_residual_of_a_validation_with_the_other_sign(estimate, worn):
-    found, validation = exoid.interaction(estimate, worn[1]), exoid.validate(estimate, worn[1])
-    common = np.isin(validation.time, found.time)
-    assert common.mean() > 0.98
-    assert np.allclose(found.torque, -validation.residual[common], atol=1e-9)
-    assert np.allclose(found.band, validation.half_width[common], atol=1e-9)
-
-
 def test_an_unworn_leg_is_not_called_worn(leg, estimate):
     for seed in range(30, 36):
         for factor in (1.0, 2.0):
@@ -137,19 +129,6 @@ def test_a_stated_payload_is_not_taken_for_a_wearer(leg, estimate):
     (finding,) = [each for each in forgotten.findings if each.kind == "body-like-interaction"]
     assert "more torque than the estimate says" in finding.message
     assert "payload" in finding.remedy
-
-
-def test_a_joint_without_torque_is_left_out_by_name(leg, estimate, worn):
-    recording = worn[1]
-    tau = recording.tau.copy()
-    tau[:, 1] = np.nan
-    found = exoid.interaction(estimate, dataclasses.replace(recording, tau=tau))
-    assert np.isnan(found.torque[:, 1]).all()
-    assert not found.actions[1].acts
-    assert found.actions[0].acts
-    assert found.to_json()["joints"][leg.joint_names[1]]["rms"] is None
-    assert "not measured" in str(found)
-    assert "unmeasured-torque" in {finding.kind for finding in found.findings}
 
 
 def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(estimate, worn):

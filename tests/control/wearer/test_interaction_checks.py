@@ -96,22 +96,6 @@ def test_another_leg(leg, estimate):
     assert "more torque" in finding.message
 
 
-def test_a_motion_faster_than_the_training_widens_the_band(leg, estimate, unworn):
-    fast = exoid.interaction(estimate, log(swing(leg, 7, base=0.4)))
-    assert {finding.kind for finding in fast.findings} == {"extrapolation"}
-    slow = exoid.interaction(estimate, unworn)
-    assert (fast.band.mean(axis=0) > slow.band.mean(axis=0)).all()
-    assert not fast.worn
-
-
-def test_a_saturated_torque_is_an_error(estimate, unworn):
-    limit = 0.5 * np.abs(unworn.tau[:, 0]).max()
-    clipped = np.clip(unworn.tau, [-limit, -np.inf, -np.inf], [limit, np.inf, np.inf])
-    found = exoid.interaction(estimate, dataclasses.replace(unworn, tau=clipped))
-    finding = of_kind(found, "saturation")[0]
-    assert (finding.joint, finding.severity) == (estimate.joint_names[0], "error")
-
-
 def test_a_short_log_is_said_to_be_short(estimate, unworn):
     found = exoid.interaction(estimate, unworn.between(unworn.time[0], unworn.time[0] + 1.0))
     assert of_kind(found, "short-recording")

@@ -5,13 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 from exact_experiments import (
-    BLEEX_STEPS,
     CUHK_FRICTION,
     Exact,
     Noisy,
     bleex_all,
     bleex_data,
-    bleex_step,
     bleex_truth,
     cuhk_all,
     cuhk_data,
@@ -22,8 +20,8 @@ import exoid
 from exoid.errors import ExoidError
 from exoid.lab.reproduce.sequential import bleex as steps
 from exoid.lab.reproduce.sequential import cuhk as cuhk_steps
-from exoid.lab.reproduce.sequential.estimate import SequentialEstimate, rows_in_motion
-from exoid.signals import FiniteDifference, MovingAverage
+from exoid.lab.reproduce.sequential.estimate import SequentialEstimate
+from exoid.signals import FiniteDifference
 
 
 @pytest.fixture(scope="module", params=["left", "right"])
@@ -35,12 +33,6 @@ def exact(request):
 @pytest.fixture(scope="module")
 def data(exact):
     return bleex_data(exact)
-
-
-def known_before(name, truth):
-    """Everything that the steps before this one find, exactly."""
-    before = [n for step in list(BLEEX_STEPS)[: list(BLEEX_STEPS).index(name)] for n in BLEEX_STEPS[step]]
-    return SequentialEstimate(tuple(before), np.array([truth[n] for n in before]), np.zeros((len(before), len(before))))
 
 
 def test_all_steps_in_turn_give_every_parameter_back(exact, data):
@@ -89,18 +81,6 @@ def test_estimates_are_unbiased_by_noise(noisy_bleex):
     assert (np.abs(values.mean(axis=0) - truth) < 4.0 * values.std(axis=0) / np.sqrt(len(values))).all()
 
 
-@pytest.mark.slow
-def test_a_step_that_forgot_the_earlier_ones_would_claim_too_little(noisy_bleex):
-    """Must fail: J2 stands on X2, Y2 and the knee's stiffness, and most of its uncertainty is theirs."""
-    estimate = noisy_bleex[0]
-    model = steps.document_model(exoid.load_leg("bleex"))
-    exact = bleex_data(Exact(model, bleex_truth("left")), seconds=5.0, poses=40)
-    noisy = Noisy(np.random.default_rng(4), (0.3, 0.2, 0.1))
-    known = known_before("shank inertia", bleex_truth("left"))
-    alone = bleex_step("shank inertia", known, model, (exact[0], noisy(exact[1]), noisy(exact[2])))
-    assert alone.std[-1] < 0.7 * estimate.std[estimate.names.index("J2")]
-
-
 # ---------------------------------------------------------------------------------------- document 2
 
 
@@ -137,20 +117,7 @@ def test_what_document_2_steps_claim_agrees_with_the_scatter(cuhk_leg):
     assert_honest([cuhk_all(cuhk_leg, [*still(data[:2]), *moving(data[2:])]) for _ in range(150)])
 
 
-def test_a_moving_average_leaves_fewer_independent_samples(cuhk_leg):
-    recording = cuhk_data(cuhk_leg).row3
-    model = cuhk_steps.document_model(cuhk_leg)
-    assert rows_in_motion(model, [recording], 0, MovingAverage(0.2)).independent_fraction == pytest.approx(1.0 / 9.0)
-
-
 # ------------------------------------------------------------------------------------------ refusals
-
-
-def test_joints_are_matched_by_name_not_by_place(exact, data):
-    sets, measured, swings = data
-    turned = measured.select(measured.joint_names[::-1])
-    one, other = (bleex_all(exact.model, (sets, poses, swings)) for poses in (measured, turned))
-    np.testing.assert_allclose(one.values, other.values, rtol=1e-12)
 
 
 NOTHING = SequentialEstimate()

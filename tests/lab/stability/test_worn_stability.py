@@ -15,7 +15,7 @@ from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitiv
 from exoid.control.lqr import discretise, linearise
 from exoid.experiments import Hold
 from exoid.lab.stability import largest_amplification
-from exoid.lab.stability.draws import draw_truths, variance_shares
+from exoid.lab.stability.draws import draw_truths
 from exoid.lab.stability.linear_law import linear_law, loop_matrices
 from exoid.lab.stability.worn_leg import HeldLeg, hold, linear_leg, linear_legs, linear_wearer
 from exoid.lab.stability.worn_loop import WornLoop, poses_of
@@ -157,12 +157,6 @@ def test_values_agree_with_the_share_of_stable_loops(wearer):
     assert low <= found.largest <= high
 
 
-def test_a_certain_estimate_has_one_value(wearer):
-    est = replace(wrong_estimate(), covariance=np.zeros((10, 10)))
-    found = largest_amplification(est, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=5)
-    assert set(found.values.tolist()) == {found.exact}
-
-
 def test_the_limiting_parameter_is_the_uncertain_one(wearer):
     est = wrong_estimate(std=1e-4)
     covariance = est.covariance.copy()
@@ -178,16 +172,6 @@ def test_the_limiting_parameter_is_the_uncertain_one(wearer):
     found = largest_amplification(small, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100)
     assert found.largest == np.inf
     assert found.limited_by == "J1"
-
-
-def test_variance_shares_are_squared_correlations():
-    rng = np.random.default_rng(2)
-    root = rng.normal(size=(4, 4))
-    covariance, gradient = root @ root.T, np.array([1.0, -2.0, 0.0, 0.5])
-    shares = variance_shares(gradient, covariance)
-    draws = rng.standard_normal((200_000, 4)) @ root.T
-    measured = [np.corrcoef(draws[:, k], draws @ gradient)[0, 1] ** 2 for k in range(4)]
-    np.testing.assert_allclose(shares, measured, atol=0.01)
 
 
 def test_draws_have_the_covariance_and_only_possible_legs():

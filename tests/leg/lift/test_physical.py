@@ -2,13 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from planar_chains import PlanarURDF, planar_chains
-from public_robots import urdf_of
 from semidefinite import mass_range
 
 import exoid
-from exoid import Leg
 from exoid.leg.lift import check_physical
 from exoid.leg.published import bleex_parameters, cuhk
 from exoid.leg.published.parameters import BLEEX_SETS
@@ -46,14 +42,6 @@ def test_table_iii_of_document_2_is_no_leg():
     assert "shank: its centre of mass is on the wrong side of its joint (X2 = -0.602" in str(found)
 
 
-@given(planar_chains())
-def test_every_leg_made_of_point_masses_is_physical(chain: PlanarURDF):
-    for cumulative in (True, False):
-        leg = chain.leg(cumulative=cumulative)
-        found = check_physical(leg, leg.parameters)
-        assert found, found
-
-
 def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
     rng = np.random.default_rng(0)
     verdicts = []
@@ -82,14 +70,3 @@ def test_what_is_impossible_is_named(bleex, name, value, reason):
     assert not found
     assert reason in "\n".join(found.reasons)
     assert "the parameters are not physically consistent" in str(found)
-
-
-def test_a_robot_that_is_no_planar_chain_is_checked_by_lifting():
-    leg = Leg.from_urdf(urdf_of("ur5"))
-    assert check_physical(leg, leg.parameters)
-    values = leg.parameters.copy()
-    inertia = next(k for k, name in enumerate(leg.parameter_names) if name.startswith("Izz"))
-    values[inertia] = -1.0
-    found = check_physical(leg, values)
-    assert not found
-    assert "no links" in str(found)

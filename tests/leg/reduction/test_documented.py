@@ -7,7 +7,6 @@ from planar_chains import assert_relative, random_chain, random_motion
 import exoid
 from exoid import Leg
 from exoid.leg.dynamics import joint_torque_regressor
-from exoid.leg.model import dynamic_parameters
 from exoid.leg.reduction.numeric import numeric
 
 CUMULATIVE = pytest.mark.parametrize("cumulative", [True, False])
@@ -73,13 +72,3 @@ def test_the_reduction_of_pinocchios_regressor_keeps_every_torque(cumulative):
     for link_parameters in rng.standard_normal((5, 40)):
         reduced = leg.reduction.reduce(Y) @ leg.reduction.parameters(link_parameters)
         assert_relative(reduced, Y @ link_parameters, 1e-12)
-
-
-def test_adjusted_link_parameters_have_the_wanted_reduction_and_the_old_masses():
-    rng = np.random.default_rng(5)
-    leg = random_chain(rng, 3).leg()
-    wanted, before = rng.standard_normal(9), dynamic_parameters(leg.model)
-    after = leg.reduction.adjust(before, wanted)
-    np.testing.assert_allclose(leg.reduction.parameters(after), wanted, atol=1e-13)
-    np.testing.assert_array_equal(after[::10], before[::10])
-    np.testing.assert_allclose(leg.reduction.adjust(before, leg.parameters), before, atol=1e-14)

@@ -59,16 +59,6 @@ def test_other_link_parameters_reduce_to_the_same_torques(robot):
         assert_relative(reduced, Y @ link_parameters, 1e-8)
 
 
-def test_blocks_of_samples_fit_together():
-    leg = Leg.from_urdf(urdf_of("ur5"), joints=("shoulder_pan_joint", "shoulder_lift_joint"))
-    q, v, a = random_motion(np.random.default_rng(3), 2, 2049)
-    W = leg.regressor(q, v, a)
-    assert_relative(W @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
-    assert_relative(W[2047:], leg.regressor(q[2047:], v[2047:], a[2047:]), 1e-15)
-    assert W[:, 1, 3].flags.c_contiguous
-    assert leg.regressor(*np.empty((3, 0, 2))).shape == (0, 2, len(leg.parameters))
-
-
 # ----------------------------------------------------------------------------------------------- rank
 
 
@@ -141,15 +131,6 @@ def test_angles_of_few_digits_give_the_parameters_of_exact_angles(robot, decimal
     assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
 
 
-@pytest.mark.parametrize("decimals", [4, 5])
-def test_rounded_positions_keep_the_number_of_parameters_and_the_merged_rotors(robot, decimals):
-    name, exact = robot
-    leg = Leg.from_description(rounded(name, decimals, ("xyz", "rpy")), CASES[name][0])
-    assert len(leg.parameters) == len(exact.parameters)
-    merged = [{one.name for one in TorqueModel(each, (Armature(),)).regrouped} for each in (leg, exact)]
-    assert merged[0] == merged[1]
-
-
 TILTED = (
     '<robot name="r"><link name="a"/><link name="b">{0}</link><link name="c">{0}</link>'
     '<joint name="one" type="continuous"><origin rpy="{1}"/><parent link="a"/><child link="b"/>'
@@ -182,20 +163,6 @@ def test_axes_that_rounding_tilts_have_the_parameters_of_exact_axes(decimals):
 # ---------------------------------------------------------------------------------------------- names
 
 
-def test_names_of_a_planar_leg_can_be_read():
-    assert numeric(exoid.load_leg("bleex").model, ("thigh", "shank", "foot")).names == (
-        "mcx_thigh",
-        "mcz_thigh - 0.43*m_shank - 0.43*m_foot",
-        "Iyy_thigh + 0.185*m_shank + 0.185*m_foot",
-        "mcx_shank",
-        "mcz_shank - 0.43*m_foot",
-        "Iyy_shank + 0.185*m_foot",
-        "mcx_foot",
-        "mcz_foot",
-        "Iyy_foot",
-    )
-
-
 def test_numeric_parameters_of_a_planar_leg_are_the_documents(side):
     """X = −(mcz …), Y = mcx, J not cumulative."""
     leg = exoid.load_leg("cuhk", side=side)
@@ -217,11 +184,6 @@ def test_names_are_unique_and_each_begins_with_the_parameter_that_stands_for_the
         assert unit == LINK_UNITS[kept % 10]
         assert row[kept] == 1.0
         assert name.endswith("…") == (np.count_nonzero(row) > 4)
-
-
-def test_names_of_a_planar_leg_do_not_depend_on_the_random_motions():
-    model = exoid.load_leg("bleex").model
-    assert len({numeric(model, labels(3), seed=seed).names for seed in range(10)}) == 1
 
 
 def test_a_link_and_a_fixed_joint_may_share_a_name():

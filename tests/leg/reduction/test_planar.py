@@ -93,11 +93,6 @@ def test_blocks_fit_together_under_a_moving_torso(samples):
     assert_relative(leg.regressor(q, v, a, torso) @ leg.parameters, expected, TOLERANCE)
 
 
-def test_one_sample_may_come_without_its_axis(leg):
-    q, v, a = random_motion(np.random.default_rng(6), 3, 1)
-    np.testing.assert_array_equal(leg.regressor(q[0], v[0], a[0]), leg.regressor(q, v, a))
-
-
 # -------------------------------------------------------------------------------------- large angles
 
 
@@ -157,10 +152,6 @@ def test_other_robots_are_not_taken_for_planar_chains(arguments):
     assert leg.chain is None
     q, v, a = random_motion(np.random.default_rng(10), 2)
     assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
-
-
-def test_a_joint_frame_that_turns_within_the_plane_stays_planar():
-    assert two_joints("0 -1 0", "0 1 0", rpy="0 0.7 0").parameter_names == ("X1", "Y1", "J1", "X2", "Y2", "J2")
 
 
 def test_another_gravity_is_not_taken_for_the_documents(built_in_leg):

@@ -1,15 +1,12 @@
 """The batched regressor of any tree of joints against Pinocchio's, sample by sample."""
 
 import tracemalloc
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from planar_chains import assert_relative, random_motion
-from public_robots import urdf_of
 
-from exoid import Leg
 from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction import tree_regressor as batched
 from exoid.leg.reduction.tree import Tree
@@ -84,19 +81,6 @@ def test_any_columns_are_those_of_the_whole_regressor():
         np.testing.assert_allclose(
             regressor(model, *motion, columns), expected[..., columns], rtol=0, atol=TOLERANCE * np.abs(expected).max()
         )
-
-
-def test_a_reduction_that_does_not_select_columns_is_applied():
-    leg = Leg.from_urdf(urdf_of("ur5"))
-    assert leg.reduction.selects
-    count = len(leg.parameter_names)
-    mixed = leg.reduction.spread @ np.linalg.qr(np.random.default_rng(3).standard_normal((count, count)))[0]
-    other = replace(leg, reduction=replace(leg.reduction, spread=mixed))
-    assert not other.reduction.selects
-    motion = random_motion(np.random.default_rng(4), len(leg.joint_names), 30)
-    assert_relative(
-        other.regressor(*motion), other.reduction.reduce(joint_torque_regressor(leg.model, *motion)), TOLERANCE
-    )
 
 
 def floating_motion(rng: np.random.Generator, model: pin.Model, samples: int):
