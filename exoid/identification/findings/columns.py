@@ -246,6 +246,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "gravity": _gravity,
     "length": _length,
     "clock": _clock,
+    "known": lambda at, *_: np.zeros_like(at.torque) if at.motion.payload is None else at.motion.payload.T,
     "compliance": _compliance,
     "ringing": _ringing,
     "play": _play,
@@ -262,7 +263,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
 OF_ALL_JOINTS = (
-    *("delays", "drift", "zero", "scale", "gravity", "length", "clock"),
+    *("delays", "drift", "zero", "scale", "gravity", "length", "clock", "known"),
     *("compliance", "ringing", "play", "ripple"),
 )
 """Columns that act on the torques of all joints."""

@@ -126,6 +126,12 @@ KINDS = {
         "compare the stamps with another clock, and check the lengths of all segments",
         signs=("faster", "slower"),
     ),
+    "known-torque": Kind(
+        2e-2,
+        "payloads and wrenches of the log act {x:.3g} times as it says",
+        "check mass, place and link of payloads, and sign, unit and axes of force sensors",
+        value=lambda delta: 1.0 + delta,
+    ),
     "unmodelled-friction": Kind(
         None,
         "the residual of {joint} depends on its velocity or load as {form} does",
@@ -236,6 +242,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))
     if n > 1:
         faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
+    faults.append(Nuisance("known-torque", "", -1, "1", add("known", 0)))
     faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
     if not planar:
         tilt = (*add("gravity", 0), *add("gravity", 1))

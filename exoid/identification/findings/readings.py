@@ -23,6 +23,7 @@ FITS_BETTER, CLEARLY = 1.6, 1.1
 """Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
 joints there are; and in one that is more far-fetched than another."""
 
+STILL = 0.05  # span of a joint that hardly moves [rad]
 PASSIVE = 3.0  # of a passive joint residuals have to be so many times smaller still in another order
 
 
@@ -106,7 +107,7 @@ def _best_reading(
     best, least = None, reference - share * np.log(FITS_BETTER)
     spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0)  # [rad]
     names = fitted.model.joint_names
-    still = {name for name, span in zip(names, spans, strict=True) if span < 0.05}
+    still = {name for name, span in zip(names, spans, strict=True) if span < STILL}
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
     logged = kinematics = plain.angles, plain.angle_order
     factors = as_logged
@@ -116,6 +117,8 @@ def _best_reading(
         moved = {joint for joint, (j, k) in zip(names, enumerate(reading.torque_order), strict=True) if j != k}
         if joints & still or moved & passive:
             continue
+        if reading.kind == "angle-scale" and (spans * reading.angles)[np.array(reading.angles) != 1.0].max() < STILL:
+            continue  # so little a motion in degrees identifies nothing
         if not angles and (reading.angles, reading.angle_order) != logged:
             continue
         if (reading.angles, reading.angle_order) != kinematics:  # rows of the reading before may be the same

@@ -1,0 +1,54 @@
+"""Payloads and wrenches that a log states wrongly: masses, places, signs and units."""
+
+import dataclasses
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from loaded_legs import with_payloads
+from logs import clean, kinds, of_kind
+from swings import Swing
+
+import exoid
+from exoid.signals import Wrench
+
+PLACE = (0.0, 0.0, -0.3)
+
+
+@pytest.mark.parametrize("stated", [1.7, 2.0, 4.4])
+def test_a_mass_of_a_payload_in_one_of_two_logs(stated):
+    leg, log = clean("cuhk")
+    joint = leg.joint_names[1]
+    loaded = Swing(with_payloads(leg, [exoid.Payload(joint, 2.0, PLACE)]), seconds=30.0, seed=2, smoothing=0.015)
+    heavy = loaded.recording(v=None, a=None, payloads=(exoid.Payload(joint, stated, PLACE),))
+    found = exoid.check(leg, [log, heavy])
+    if stated == 2.0:
+        assert not kinds(found)
+    else:
+        assert of_kind(found, "known-torque").value == pytest.approx(2.0 / stated, rel=0.05)
+
+
+@pytest.fixture(scope="module")
+def held():
+    """CUHK-EXO's leg and a log in which its shank is held by a load cell: the force, and the log without it."""
+    leg, log = clean("cuhk")
+    rng, t = np.random.default_rng(3), log.time
+    sizes, rates, phases = rng.normal(0.0, 8.0, (4, 3)), rng.uniform(0.1, 0.8, (4, 3)), rng.uniform(0.0, 6.0, (4, 3))
+    force = (sizes * np.sin(2.0 * np.pi * rates * t[:, None, None] + phases)).sum(axis=1)
+    data, frame = leg.model.createData(), leg.model.getFrameId(leg.link_names[1])
+    point, tau = np.array(PLACE), np.array(log.tau)
+    for k, q in enumerate(log.q):
+        J = pin.computeFrameJacobian(leg.model, data, q, frame, pin.ReferenceFrame.LOCAL)
+        tau[k] -= J.T @ np.concatenate([force[k], np.cross(point, force[k])])
+    return leg, dataclasses.replace(log, tau=tau), force
+
+
+@pytest.mark.parametrize("factor", [1.0, -1.0, 1.0 / 9.81, 1.1])
+def test_the_sign_and_the_unit_of_a_force_sensor(held, factor):
+    leg, log, force = held
+    wrench = Wrench(factor * force, np.zeros_like(force), point=PLACE)
+    found = exoid.check(leg, dataclasses.replace(log, wrenches={leg.link_names[1]: wrench}))
+    if factor == 1.0:
+        assert not kinds(found)
+    else:
+        assert of_kind(found, "known-torque").value == pytest.approx(1.0 / factor, rel=0.03)
