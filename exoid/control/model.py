@@ -106,8 +106,8 @@ class ControlModel:
         spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
         others = []
         for term in model.terms:
-            for joints in term.places(leg.joint_names, leg.joint_labels):
-                label, joint = term.label(joints, leg.joint_labels), joints[0]
+            for label, joints in term.places(leg.joint_names, leg.joint_labels).items():
+                joint = joints[0]
                 # a regrouped parameter is part of another one
                 found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
                 kind = type(term)

@@ -15,8 +15,8 @@ from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.leg.payload import Payload
 from exoid.regression.diagnostics import WEAKLY
-from exoid.regression.fit import Fit
 from exoid.regression.parameters import PriorKnowledge
+from exoid.regression.problem import Fit
 from exoid.signals import Recording, Recordings
 
 from .drives import DriveModel

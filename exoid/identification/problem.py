@@ -14,9 +14,9 @@ from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.regression.fit import Fit
 from exoid.regression.least_squares import RFactor, Solution, solve, stack
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
+from exoid.regression.problem import Fit
 from exoid.regression.row_data import NoiseKind, RowBlock
 from exoid.regression.rows import rate_class
 from exoid.signals import Poses, Preparation, Recording

@@ -69,7 +69,7 @@ class Result:
         problem, fit, solution = fitted.problem, fitted.fit, fitted.fit.solution
         found = uncertainty_of(problem, fit, white=white)
         covariance = found.covariance if fitted.doubt is None else found.covariance + fitted.doubt
-        noise = describe_noise(problem, fit.point, found.noises)
+        noise = describe_noise(problem, fit, found.noises)
         rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
         free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
         if white:

@@ -17,8 +17,8 @@ from .least_squares import RFactor, Solution
 from .model import RegressorModel
 from .noise import autocovariance_sums
 from .parameters import PriorKnowledge
-from .problem import RowProblem
-from .residuals import Noises, Point, series
+from .problem import Fit, Noises, RowProblem
+from .residuals import series
 
 WELL = 0.1
 """A parameter is well determined if its standard deviation is at most this part of its size,"""
@@ -125,12 +125,12 @@ class JointNoise:
     whiteness: float
 
 
-def describe_noise(problem: RowProblem, point: Point, noises: Noises) -> tuple[JointNoise, ...]:
+def describe_noise(problem: RowProblem, fit: Fit, noises: Noises) -> tuple[JointNoise, ...]:
     """Describe the residuals of each joint."""
     joints = len(problem.columns)
     samples, effective, statistic, lags = np.zeros((4, joints))
     products = np.zeros((joints, 2))
-    for part in (part for parts in series(problem, point) for part in parts):
+    for part in (part for parts in series(problem, fit) for part in parts):
         joint, pairs = part.joint, np.rint(autocovariance_sums(part.usable, LAGS))
         samples[joint] += pairs[0]
         effective[joint] += pairs[0] * noises[part.kind, joint].effective_share

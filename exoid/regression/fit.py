@@ -1,4 +1,4 @@
-"""Fit: ordinary and weighted least squares, the covariance under the noise of residuals, and the samples behind it."""
+"""Ordinary and weighted least squares, the covariance under the noise of residuals, and the samples behind it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .least_squares import ROUNDING, TINY, RFactor, Solution, stack
+from .least_squares import ROUNDING, TINY, RFactor, stack
 from .noise import AutoregressiveNoise
-from .problem import LeastSquaresProblem, RowProblem, RowSource
-from .residuals import Noises, Point, Series, Uncertainty, matrix_root, sandwich, series
+from .problem import Fit, LeastSquaresProblem, Noises, RowProblem, RowSource, Uncertainty
+from .residuals import Series, matrix_root, sandwich, series
 
 BLOCKS = 20
 """Rows of all recordings are cut into about so many blocks at least, and into more if there are many samples."""
@@ -25,32 +25,6 @@ ACCURACY = 5e-4
 Residuals of a simulation without noise are smaller, but they are the errors of filters and differences. These are not
 random, and what they do to a parameter is not seen in the residuals.
 """
-
-
-class Fit(NamedTuple):
-    """Solution of an estimator, and how rows were weighted.
-
-    Attributes:
-        solution: Solution, with its covariance for white noise.
-        weights: Weight of the rows of each R factor.
-        clip: Limit of weighted residuals, beyond which they count as the limit.
-        warnings: Warnings for the reader.
-        uncertainty: Uncertainty for correlated noise where other rows than those of the problem were fitted; None to
-            find it in the residuals.
-        name: Name of the estimator with the settings that it chose; "" for its own name.
-    """
-
-    solution: Solution
-    weights: Sequence[float]
-    clip: float = np.inf
-    warnings: tuple[str, ...] = ()
-    uncertainty: Uncertainty | None = None
-    name: str = ""
-
-    @property
-    def point(self) -> Point:
-        """Parameters and weights at which residuals are computed."""
-        return Point(self.solution.values, self.weights, self.clip)
 
 
 def ols(problem: LeastSquaresProblem) -> Fit:
@@ -100,17 +74,17 @@ def noise_floor(problem: LeastSquaresProblem) -> float:
 
 def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty:
     """Find the noise in the residuals of a fit and the covariance under it."""
-    found = fit.uncertainty or correlated_uncertainty(problem, fit.point, fit.solution)
+    found = fit.uncertainty or correlated_uncertainty(problem, fit)
     if white:
         found = found._replace(covariance=fit.solution.covariance, dofs=None)
     return found if fit.uncertainty else _no_surer_than_rows(found, problem, fit)
 
 
-def correlated_uncertainty(rows: RowSource, point: Point, solution: Solution) -> Uncertainty:
+def correlated_uncertainty(rows: RowSource, fit: Fit) -> Uncertainty:
     """Uncertainty of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
     # S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless blocks are too few, correlations by the noise
-    found = sandwich(rows, point, solution)
-    left_out = jackknife(rows, point, found.noises, solution)
+    found = sandwich(rows, fit)
+    left_out = jackknife(rows, fit, found.noises)
     if not left_out.blocks:
         return found
     variances = np.diag(found.covariance)
@@ -167,7 +141,7 @@ class Jackknife(NamedTuple):
     blocks: int  # number of blocks; 0 if there are too few to say anything
 
 
-def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution) -> Jackknife:
+def jackknife(rows: RowSource, fit: Fit, noises: Noises) -> Jackknife:
     """Leave out one block of rows after the other, all joints at once."""
     # With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
     # d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its
@@ -178,15 +152,15 @@ def jackknife(rows: RowSource, point: Point, noises: Noises, solution: Solution)
     # therefore whitened by its noise model Γ = σ² Φ⁻¹ Φ⁻ᵀ. Sample t of the sandwich WᵀΓW has the score y_t η_t
     # and the information y_t x̃_tᵀ, with y = Φ⁻ᵀ X, x̃ = Φ X, and η = Φ e the whitened residuals. Both sum up
     # to those of the rows as they are: Σ_t y_t η_t = Xᵀ e, and Σ_t y_t x̃_tᵀ = XᵀX.
-    inverse = solution.inverse
+    inverse = fit.solution.inverse
     root = matrix_root(inverse)
-    changes = np.vstack([_changes(noises, root, point.clip, parts) for parts in series(rows, point)])
+    changes = np.vstack([_changes(noises, root, fit.clip, parts) for parts in series(rows, fit)])
     moved = np.abs(changes) > ROUNDING * np.abs(changes).max(axis=0, initial=0.0)
     count = moved.sum(axis=0)
     changes = np.where(moved, changes - changes.sum(axis=0) / np.maximum(count, 1), 0.0)
     squares = changes**2
     of_rows = squares.sum(axis=0) * (1.0 - 1.0 / np.maximum(count, 1))
-    variances = of_rows + np.einsum("ij,jk,ik->i", inverse, solution.prior_noise, inverse)
+    variances = of_rows + np.einsum("ij,jk,ik->i", inverse, fit.solution.prior_noise, inverse)
     dofs = 3.0 * squares.sum(axis=0) ** 2 / np.maximum((squares**2).sum(axis=0), TINY)
     dofs = np.clip(dofs, 1.0, np.maximum(count - 1, 1)) * (variances / np.maximum(of_rows, TINY)) ** 2
     return Jackknife(variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0)

@@ -1,14 +1,17 @@
-"""What estimators ask of a regression problem: R factors, and rows that can be gone over again."""
+"""What estimators ask of a regression problem: R factors, and rows that can be gone over again; and what they find."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Protocol
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exoid._typing import FloatArray
+
 from .least_squares import RFactor, Solution
+from .noise import AutoregressiveNoise
 from .row_data import NoiseKind, RowBlock
 
 
@@ -57,3 +60,36 @@ class RowProblem(LeastSquaresProblem, RowSource, Protocol):
 
     def blocks(self) -> Iterator[RowBlock]:
         """Go over all rows in order of time, recording by recording."""
+
+
+Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
+"""Noise of each kind and joint, in units of the weighted rows."""
+
+
+class Uncertainty(NamedTuple):
+    """Covariance of parameters, and the noise that it is for."""
+
+    covariance: FloatArray  # (P, P)
+    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
+    noises: Noises  # noise of the rows of each kind and joint
+
+
+class Fit(NamedTuple):
+    """Solution of an estimator, and how rows were weighted.
+
+    Attributes:
+        solution: Solution, with its covariance for white noise.
+        weights: Weight of the rows of each R factor.
+        clip: Limit of weighted residuals, beyond which they count as the limit.
+        warnings: Warnings for the reader.
+        uncertainty: Uncertainty for correlated noise where other rows than those of the problem were fitted; None to
+            find it in the residuals.
+        name: Name of the estimator with the settings that it chose; "" for its own name.
+    """
+
+    solution: Solution
+    weights: Sequence[float]
+    clip: float = np.inf
+    warnings: tuple[str, ...] = ()
+    uncertainty: Uncertainty | None = None
+    name: str = ""

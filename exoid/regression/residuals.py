@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .least_squares import Solution
 from .noise import LARGEST_ORDER, AutoregressiveNoise, autocovariance_sums
-from .problem import RowSource
+from .problem import Fit, RowSource, Uncertainty
 from .row_data import NoiseKind
 
 
@@ -29,53 +28,30 @@ class Series(NamedTuple):
     stands_for: float  # number of rows that each of these stands for
 
 
-class Point(NamedTuple):
-    """Parameters and how the rows that gave them were weighted."""
-
-    values: FloatArray  # β, (P,)
-    weights: Sequence[float]  # weight of the rows of each R factor; weighted residuals are of size 1
-    # limit of weighted residuals, beyond which they count as the limit; infinite for least squares
-    clip: float = np.inf
-
-
-Noises = Mapping[tuple[NoiseKind, int], AutoregressiveNoise]
-"""Noise of each kind and joint, in units of the weighted rows."""
-
-
-class Uncertainty(NamedTuple):
-    """Covariance of parameters, and the noise that it is for."""
-
-    covariance: FloatArray  # (P, P)
-    dofs: FloatArray | None  # degrees of freedom of each variance, (P,); None where the number of samples gives them
-    noises: Noises  # noise of the rows of each kind and joint
-
-
-def series(source: RowSource, point: Point) -> Iterator[list[Series]]:
+def series(source: RowSource, fit: Fit) -> Iterator[list[Series]]:
     """Go over the recordings: weighted rows of each joint, decimated to the pace of independent noise."""
     for kind, rows, first in source.recordings():
         parts = []
         for own, joint in enumerate(range(first, first + rows.tau.shape[1])):
             usable, columns = rows.usable[:, own].astype(np.float64), source.columns[joint]
-            counted = point.weights[source.weight_index(kind, joint)] * usable
+            counted = fit.weights[source.weight_index(kind, joint)] * usable
             X = rows.W[:, own].T[rows.acting[own]]
             X *= counted
-            residual = rows.tau[:, own] * counted - point.values[columns] @ X
-            if np.isfinite(point.clip):
-                residual = np.clip(residual, -point.clip, point.clip)
+            residual = rows.tau[:, own] * counted - fit.solution.values[columns] @ X
+            if np.isfinite(fit.clip):
+                residual = np.clip(residual, -fit.clip, fit.clip)
             parts.append(Series(kind, joint, columns, X, residual, usable, rows.stands_for))
         yield parts
 
 
-def fit_noise(
-    problem: RowSource, point: Point, covariance: FloatArray
-) -> dict[tuple[NoiseKind, int], AutoregressiveNoise]:
+def fit_noise(problem: RowSource, fit: Fit, covariance: FloatArray) -> dict[tuple[NoiseKind, int], AutoregressiveNoise]:
     """Fit an autoregressive model to the residuals of each kind and joint."""
     # Residuals are smaller than the noise, and less alike, since the fit has taken part of it away; on average
     # γ̂_k falls short by (1/N) Σ_t x_t C x_{t+k}ᵀ with C the covariance of the estimate, which is put back (as
     # restricted maximum likelihood does). Samples left out do not count.
     roots = [matrix_root(covariance[np.ix_(columns, columns)]).T for columns in problem.columns]
     sums: dict[tuple[NoiseKind, int], FloatArray] = {}
-    for part in (part for parts in series(problem, point) for part in parts):
+    for part in (part for parts in series(problem, fit) for part in parts):
         products = autocovariance_sums(np.vstack([part.residual, roots[part.joint] @ part.X]), LARGEST_ORDER)
         found = np.array([products, np.rint(autocovariance_sums(part.usable, LARGEST_ORDER))])
         if part.kind.at_rest:
@@ -84,14 +60,14 @@ def fit_noise(
     return {key: _model(*found) for key, found in sums.items()}
 
 
-def sandwich(problem: RowSource, point: Point, solution: Solution) -> Uncertainty:
+def sandwich(problem: RowSource, fit: Fit) -> Uncertainty:
     """Compute (WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with Γ that of the autoregressive noise in the residuals."""
     # Rows of priors are among those of W, with the noise that the priors say.
-    inverse, covariance = solution.inverse, solution.covariance
+    inverse, covariance = fit.solution.inverse, fit.solution.covariance
     for _ in range(5):  # noise and covariance depend on each other, and are computed in turn
-        noises = fit_noise(problem, point, covariance)
-        meat = solution.prior_noise.copy()
-        for part in (part for parts in series(problem, point) for part in parts):
+        noises = fit_noise(problem, fit, covariance)
+        meat = fit.solution.prior_noise.copy()
+        for part in (part for parts in series(problem, fit) for part in parts):
             of_rows = noises[part.kind, part.joint].quadratic_form(part.X)
             meat[np.ix_(part.columns, part.columns)] += part.stands_for**2 * of_rows
         half = inverse @ matrix_root(meat)  # so that no variance is negative, however ill-conditioned the rows

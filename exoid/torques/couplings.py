@@ -58,12 +58,8 @@ class CoordinateTerm(Term):
         if self.name is not None and not (isinstance(self.name, str) and self.name.isidentifier()):
             raise BadArgumentError(f"{type(self).__name__}(name={self.name!r})", remedy='a word, such as "hip_motor"')
 
-    def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
-        """Name its parameters by the coordinate, or by the joints."""
-        return super().label(joints, labels) if self.name is None else self.name
-
-    def places(self, names: Sequence[str], labels: Sequence[str]) -> tuple[tuple[int, ...], ...]:
-        """Find its joints among those of a leg."""
+    def places(self, names: Sequence[str], labels: Sequence[str]) -> dict[str, tuple[int, ...]]:
+        """Find its joints among those of a leg; parameters have the name of the coordinate, or of its joints."""
         self.joint_indices(names, labels)
         places = tuple((names if joint in names else labels).index(joint) for joint in self.joints or ())
         if len(set(places)) < len(places):
@@ -74,7 +70,7 @@ class CoordinateTerm(Term):
                 "several joints cannot",
                 remedy="let it depend on positions, velocities and accelerations, or use a term of one joint",
             )
-        return (places,)
+        return {self.name or "_".join(labels[joint] for joint in places): places}
 
     def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
         """Write the columns r_j f of its joints."""

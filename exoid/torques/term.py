@@ -108,7 +108,7 @@ class Term(ABC):
         """
         return None
 
-    def places(self, names: Sequence[str], labels: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+    def places(self, names: Sequence[str], labels: Sequence[str]) -> dict[str, tuple[int, ...]]:
         """Find where it acts in a leg: one set of parameters for each tuple of joints.
 
         Args:
@@ -116,24 +116,13 @@ class Term(ABC):
             labels: Joint names as they occur in parameter names, (n,).
 
         Returns:
-            Indices of joints: each joint alone, unless the term is a :class:`exoid.torques.CoordinateTerm`.
+            Indices of joints by what follows the symbol in parameter names, such as "knee": each joint alone, unless
+            the term is a :class:`exoid.torques.CoordinateTerm`.
 
         Raises:
             ExoidError: A joint is missing.
         """
-        return tuple((joint,) for joint in self.joint_indices(names, labels))
-
-    def label(self, joints: Sequence[int], labels: Sequence[str]) -> str:
-        """Name one set of parameters by its joints.
-
-        Args:
-            joints: Indices of the joints that the parameters act on.
-            labels: Labels of the joints of the leg, (n,).
-
-        Returns:
-            What follows the symbol in parameter names, such as "knee", or "hip_knee" for a coupled term.
-        """
-        return "_".join(labels[joint] for joint in joints)
+        return {labels[joint]: (joint,) for joint in self.joint_indices(names, labels)}
 
     def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
         """Write the columns of one set of parameters.
@@ -190,9 +179,9 @@ def term_blocks(leg: Leg, terms: Iterable[Term]) -> tuple[TermBlock, ...]:
     """Put terms at the joints of a leg, in the order of their columns."""
     names, labels = leg.joint_names, leg.joint_labels
     return tuple(
-        TermBlock(term, joints, tuple(f"{symbol}_{term.label(joints, labels)}" for symbol in term.symbols))
+        TermBlock(term, joints, tuple(f"{symbol}_{label}" for symbol in term.symbols))
         for term in terms
-        for joints in term.places(names, labels)
+        for label, joints in term.places(names, labels).items()
     )
 
 

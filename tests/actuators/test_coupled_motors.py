@@ -80,7 +80,8 @@ def test_viscous_friction_of_both_sides_has_one_combination_too_many(scale: floa
 def test_a_motor_that_moves_one_joint_alone_has_the_terms_of_that_joint() -> None:
     belt = Coupling(("hip", "knee"), ((0.1, 0.0), (0.1, 0.1)))  # the knee's motor sits on the torso
     friction, rotor = motor_terms(belt)
-    assert friction.label((0, 1), ("hip", "knee")) == rotor.label((0, 1), ("hip", "knee")) == "knee_motor"
+    names = ("hip", "knee")
+    assert friction.places(names, names) == rotor.places(names, names) == {"knee_motor": (0, 1)}
     assert isinstance(friction, CouplingFriction)
     assert friction.ratios == pytest.approx((-10.0, 10.0))
 

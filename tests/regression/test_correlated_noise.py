@@ -69,7 +69,7 @@ def test_the_sandwich_is_the_textbooks(terms):
     """(WᵀW)⁻¹ Wᵀ Γ W (WᵀW)⁻¹ with dense matrices, also where samples are left out."""
     problem = problem_of(Swing(exoid.load_leg("bleex"), 100.0, 8.0), 1, terms)
     fit = wls(problem)
-    covariance, _, noises = sandwich(problem, fit.point, fit.solution)
+    covariance, _, noises = sandwich(problem, fit)
     (block,) = problem.blocks()
     bread, meat = 0.0, 0.0
     for joint, weight in enumerate(fit.weights):
@@ -98,7 +98,7 @@ def test_the_sandwich_agrees_with_statsmodels_hac(pendulum):
     """On a long record HAC (Bartlett, 3 s) is right to a few percent, so both must be near each other."""
     problem = problem_of(pendulum, 3)
     fit = ols(problem)
-    covariance, *_ = sandwich(problem, fit.point, fit.solution)
+    covariance, *_ = sandwich(problem, fit)
     W, tau = regression_of(problem)
     hac = sm.OLS(tau, W).fit(cov_type="HAC", cov_kwds={"maxlags": 60})
     np.testing.assert_allclose(fit.solution.values, hac.params, rtol=1e-8)
@@ -138,6 +138,6 @@ def test_poses_and_recordings_of_several_rates_make_one_estimate(swing, estimato
 def test_the_noise_found_is_the_noise_made(swing):
     problem = problem_of(swing, 14)
     fit = wls(problem)
-    noises = fit_noise(problem, fit.point, fit.solution.covariance)
+    noises = fit_noise(problem, fit, fit.solution.covariance)
     for noise in noises.values():
         assert noise.predictors[-1][0] == pytest.approx(np.exp(-0.2), abs=0.06)

@@ -48,8 +48,8 @@ def test_without_memory_it_is_the_jackknife_of_dense_solutions(swing):
     """Each of 20 blocks is left out, rows of all joints at once, and the weighted problem solved again."""
     problem = problem_of(swing)
     fit = wls(problem)
-    noises = white(sandwich(problem, fit.point, fit.solution).noises)
-    found = jackknife(problem, fit.point, noises, fit.solution)
+    noises = white(sandwich(problem, fit).noises)
+    found = jackknife(problem, fit, noises)
     (block,) = problem.blocks()
     W, tau = block.rows.W * np.array(fit.weights)[:, None], block.rows.tau * fit.weights
     cells = np.arange(len(W)) // -(-len(W) // 20)
@@ -71,10 +71,10 @@ def test_blocks_of_one_sample_of_one_joint_are_the_hc3_of_statsmodels(monkeypatc
     pendulum = Swing(exoid.Leg.from_urdf(urdf, names[:1], locked=dict.fromkeys(names[1:], 0.1)), 50.0, 8.0)
     problem = problem_of(pendulum)
     fit = ols(problem)
-    noises = white(sandwich(problem, fit.point, fit.solution).noises)
+    noises = white(sandwich(problem, fit).noises)
     (block,) = problem.blocks()
     monkeypatch.setattr(module, "BLOCKS", len(block.rows.time))
-    found = jackknife(problem, fit.point, noises, fit.solution)
+    found = jackknife(problem, fit, noises)
     expected = sm.OLS(block.rows.tau[:, 0], block.rows.W[:, 0]).fit(cov_type="HC3").bse
     np.testing.assert_allclose(np.sqrt(found.variances), expected, rtol=5e-3)  # HC3 does not take off the mean
 
@@ -83,9 +83,9 @@ def test_scores_of_whitened_rows_sum_up_to_those_of_the_rows(swing):
     """Σ y η = Xᵀ e and Σ y x̃ᵀ = XᵀX, so that one block that is everything leaves nothing."""
     problem = problem_of(swing)
     fit = wls(problem)
-    noises = sandwich(problem, fit.point, fit.solution).noises
+    noises = sandwich(problem, fit).noises
     assert max(noise.order for noise in noises.values()) > 0
-    for parts in module.series(problem, fit.point):
+    for parts in module.series(problem, fit):
         for series in parts:
             X, Y, residual = module._whitened(noises[series.kind, series.joint], series, np.inf)
             np.testing.assert_allclose(Y @ residual, series.X @ series.residual, rtol=1e-9, atol=1e-9)

@@ -1,7 +1,7 @@
 """Estimators: from a problem to parameters."""
 
-from exoid.regression.fit import Fit, ols, wls
-from exoid.regression.problem import LeastSquaresProblem
+from exoid.regression.fit import ols, wls
+from exoid.regression.problem import Fit, LeastSquaresProblem
 
 from .by_name import Estimator
 from .huber import huber

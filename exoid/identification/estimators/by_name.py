@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from exoid.errors import BadArgumentError, nearest
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.identification.problem import Fitted, Problem
-from exoid.regression.fit import Fit, ols, wls
+from exoid.regression.fit import ols, wls
+from exoid.regression.problem import Fit
 
 from .huber import huber
 from .joint_ml import JointML

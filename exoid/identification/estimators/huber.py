@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import Fit, noise_floor, wls
+from exoid.regression.fit import noise_floor, wls
 from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
-from exoid.regression.problem import RowProblem
+from exoid.regression.problem import Fit, RowProblem
 from exoid.signals.cutoff import robust_std
 
 TUNING = 1.345  # residuals of this many standard deviations start to count less; 95 % efficient for normal noise

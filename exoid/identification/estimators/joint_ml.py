@@ -13,8 +13,9 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import Fit, wls
-from exoid.regression.residuals import Point, fit_noise
+from exoid.regression.fit import wls
+from exoid.regression.problem import Fit
+from exoid.regression.residuals import fit_noise
 from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops
@@ -102,7 +103,7 @@ class JointML:
         found = fit(moving, values=values, spacing=spacing)
         # noise is that of the filtered rows too, as for other estimators
         solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
-        noises = fit_noise(problem, Point(solution.values, first.weights), solution.covariance)
+        noises = fit_noise(problem, Fit(solution, first.weights), solution.covariance)
         warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
         name, uncertainty = f"ml(spacing={found.spacing:.4g})", found.uncertainty()._replace(noises=noises)
         return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)

@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.regression.fit import correlated_uncertainty
 from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
-from exoid.regression.residuals import Point, Uncertainty
+from exoid.regression.problem import Fit, Uncertainty
 from exoid.torques import TorqueModel
 
 from .bordered import eliminate
@@ -40,7 +40,7 @@ class MotionFit(NamedTuple):
     def uncertainty(self) -> Uncertainty:
         """Uncertainty of β for noise of angles and torques that is correlated, as their residuals are."""
         rows = self.system.influence(self.state, self.levels)
-        return correlated_uncertainty(rows, Point(self.state.values, [1.0]), self.solution)
+        return correlated_uncertainty(rows, Fit(self.solution._replace(values=self.state.values), [1.0]))
 
 
 def fit_motion(

@@ -69,11 +69,6 @@ class PlanarMachine:
         """Number of joints."""
         return sum(limb.chain.n for limb in self.limbs)
 
-    @property
-    def base_rows(self) -> int:
-        """Number of rows before those of the joints."""
-        return len(PLANAR_ROWS) * self.floating
-
     @classmethod
     def from_model(cls, model: pin.Model, *, floating: bool = False) -> PlanarMachine | None:
         """Read the geometry from a model."""
@@ -106,7 +101,7 @@ class PlanarMachine:
         torso: TorsoSamples | None = None,
     ) -> None:
         """Write the documented regressor for (X1, Y1, J1, X2, …) of each limb, behind (M, X0, Y0, J0) if it floats."""
-        first, b = len(TORSO_PARAMETERS) * self.floating, self.base_rows
+        first, b = len(TORSO_PARAMETERS) * self.floating, len(PLANAR_ROWS) * self.floating
         if torso is None and self.floating:
             torso = TorsoSamples(*np.zeros((5, len(q))))
         for limb in self.limbs:
