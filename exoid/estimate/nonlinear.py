@@ -53,17 +53,16 @@ class NonlinearParameters:
             for name, value, std in zip(self.names, self.values, self.std, strict=True)
         )
 
-    def interval(self, dof: float, level: float = 0.95) -> FloatArray:
-        """Confidence intervals, (S, 2), of Student's t for the logarithms, as constants are positive.
+    def interval(self, dof: float) -> FloatArray:
+        """95 % confidence intervals, (S, 2), of Student's t for the logarithms, as constants are positive.
 
         Args:
             dof: Degrees of freedom of the estimate.
-            level: Probability that an interval contains the true value.
 
         Returns:
             Lower and upper ends, (S, 2).
         """
-        half = half_width(level, dof) * self.std / self.values
+        half = half_width(0.95, dof) * self.std / self.values
         return np.column_stack([self.values * np.exp(-half), self.values * np.exp(half)])
 
 

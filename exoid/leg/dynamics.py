@@ -93,14 +93,6 @@ class JointFrames(NamedTuple):
     translation: FloatArray  # origins [m], (n, 3, N)
 
 
-def segment_placements(model: pin.Model, q: FloatArray) -> SegmentPlacements:
-    """Compute the frames of all joints by forward kinematics, batched over samples."""
-    rotation, translation = joint_frames(model, q.T)
-    return SegmentPlacements(
-        np.ascontiguousarray(rotation.transpose(3, 0, 1, 2)), np.ascontiguousarray(translation.transpose(2, 0, 1))
-    )
-
-
 def joint_frames(model: pin.Model, q: FloatArray) -> JointFrames:
     """Compute the frames of all joints for angles (n, N)."""
     # With R and p of the parent, the constant placement (R₀, p₀) of joint j and its axis u, by Rodrigues' formula,

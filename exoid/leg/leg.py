@@ -23,8 +23,8 @@ from .dynamics import (
     gravity_torque,
     inverse_dynamics,
     inverse_dynamics_on_base,
+    joint_frames,
     mass_matrix,
-    segment_placements,
 )
 from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
 from .leg_data import Base, Contact, LegData, to_numbers, without_side
@@ -326,7 +326,10 @@ class Leg(LegData):
             ExoidError: The shape does not fit.
         """
         q = self.tree_motion(*self.samples(q)).q
-        upright = segment_placements(self.model, q)
+        rotation, place = joint_frames(self.model, q.T)
+        upright = SegmentPlacements(
+            np.ascontiguousarray(rotation.transpose(3, 0, 1, 2)), np.ascontiguousarray(place.transpose(2, 0, 1))
+        )
         if torso is None:
             return upright
         turn = np.array([pin.exp3(-pitch * self.plane.lateral) for pitch in torso.samples(len(q)).pitch]).reshape(

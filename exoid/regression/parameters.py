@@ -63,7 +63,7 @@ class Prior:
         object.__setattr__(self, "values", MappingProxyType(pairs))
 
     @classmethod
-    def from_leg(cls, leg: HasParameters, relative_std: float = 0.2, names: Sequence[str] | None = None) -> Prior:
+    def from_leg(cls, leg: HasParameters, relative_std: float = 0.2) -> Prior:
         """Take a leg's own parameters, such as those of its CAD, for right to so many parts.
 
         A value near zero, as Y of a symmetric segment, has a tenth of the uncertainty of the largest of its unit.
@@ -71,21 +71,16 @@ class Prior:
         Args:
             leg: The leg with the values that are believed.
             relative_std: Standard deviation over value.
-            names: Parameters to take; None for all of the leg.
 
         Returns:
             The prior.
         """
-        wanted = leg.parameter_names if names is None else tuple(names)
         units, sizes = np.array(leg.parameter_units), np.abs(leg.parameters)
         pairs = {}
         for name, unit, value in zip(leg.parameter_names, units, leg.parameters, strict=True):
             size = max(abs(value), SMALL * float(sizes[units == unit].max()))
             pairs[name] = (float(value), relative_std * size)
-        missing = [name for name in wanted if name not in pairs]
-        if missing:
-            raise BadArgumentError(f"the leg has no {', '.join(missing)}", remedy=f"names are {', '.join(pairs)}")
-        return cls({name: pairs[name] for name in wanted})
+        return cls(pairs)
 
 
 @dataclass(frozen=True)

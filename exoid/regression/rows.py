@@ -180,7 +180,8 @@ def form_rows(model: ColumnModel, prepared: Prepared, stretch: range) -> Rows:
         columns, tau = columns[..., rows], tau[:, rows]
     else:
         columns, tau = _filtered(prepared.parallel, columns, tau, model.acting, prepared.inside[around], inside)
-        taken = _take_out_reversals(prepared, stretch, columns, tau[:joints])
+        if prepared.reversals is not None:
+            taken = _take_out_reversals(prepared, stretch, columns, tau[:joints])
     tau, known = tau[:joints], tau[joints:].T if len(tau) > joints else None
     count = len(model.names)
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
@@ -222,8 +223,8 @@ def _take_out_reversals(
     prepared: Prepared, stretch: range, columns: FloatArray, tau: FloatArray
 ) -> list[tuple[FloatArray, float]]:
     """Take unknown friction out of columns (P or more, n, N) and torques (n, N): what was taken, and noise left."""
-    if prepared.parallel is None or prepared.reversals is None:
-        return []
+    assert prepared.parallel is not None
+    assert prepared.reversals is not None
     acting = [np.flatnonzero(columns[:, joint].any(axis=1)) for joint in range(len(tau))]
     signals = [np.vstack([columns[act, joint], tau[joint]]) for joint, act in enumerate(acting)]
     found = []

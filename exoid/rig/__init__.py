@@ -3,7 +3,7 @@
 from exoid.leg.payload import Payload
 
 from .actuators import Actuator, DcMotor, HydraulicServo, IdealTorque, StepTorque
-from .bodies import limb_of, plant_with_payloads, sandbags
+from .bodies import limb_of, plant_with_payloads
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
@@ -36,6 +36,5 @@ __all__ = [
     "Wearer",
     "limb_of",
     "plant_with_payloads",
-    "sandbags",
     "simulate",
 ]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import joint_roles
@@ -30,7 +28,7 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[s
     """Make the limb of a wearer: the joints of the leg with thigh, shank and foot of a person.
 
     The joints of the limb coincide with those of the leg. At the zero pose the person stands upright. Without an ankle
-    the foot is a point mass at the end of the shank, as for :func:`exoid.rig.sandbags`.
+    the foot is a point mass at the end of the shank.
 
     Args:
         leg: Planar leg with joints hip, knee and ankle, or some of them.
@@ -64,34 +62,6 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[s
             centre = height * (ahead * chain.plane.forward - below * chain.plane.up)
             bodies.append(Payload(joint, weight * mass, tuple((turn.T @ centre).tolist()), gyration * height))
     return leg.with_parameters(payload_parameters(leg, bodies))
-
-
-def sandbags(height: float = 1.70, mass: float = 65.0, share: float = 1.0) -> tuple[Payload, ...]:
-    """Make payloads that weigh as much as thigh, shank and foot of a wearer by Winter's table, as in document 2.
-
-    The built-in CUHK-EXO already carries such a wearer.
-
-    Args:
-        height: Height of the wearer [m].
-        mass: Mass of the wearer [kg].
-        share: Fraction of the segment masses, 1 for all.
-
-    Returns:
-        Payloads of thigh, shank and foot, straight below hip and knee.
-
-    Raises:
-        ExoidError: Height or mass is not positive, or the fraction is negative.
-    """
-    _refuse_stature(height, mass)
-    if not 0.0 <= share < np.inf:
-        raise BadArgumentError(f"sandbags of {share:g} times the masses of a wearer", remedy="give a fraction ≥ 0")
-    loads = []
-    for joint, (part, parts, gyration) in WINTER.items():
-        length = part * height
-        for k, (weight, centre) in enumerate(parts):
-            radius = gyration * length if k == 0 else 0.0  # the foot is a point mass
-            loads.append(Payload(joint, share * weight * mass, (0.0, 0.0, -centre * length), radius))
-    return tuple(loads)
 
 
 def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:

@@ -68,26 +68,14 @@ class Preparation(Protocol):
         """
         return x
 
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Filter regressor columns like the torques, unless `kinematics` did so.
-
-        Args:
-            x: Columns, (N, ...).
-            rate: Sampling rate [Hz].
-
-        Returns:
-            Filtered columns, of the shape of ``x``.
-        """
-        return x
-
     def parallel(self, rate: float) -> ParallelFilter | None:
-        """Return the filter that both `filter` and `filter_columns` apply, if it can run on any segment.
+        """Return the filter of `filter` that regressor columns pass, too, and that can run on any segment.
 
         Args:
             rate: Sampling rate [Hz].
 
         Returns:
-            The filter; None if torques are filtered from the first sample on and columns are not filtered.
+            The filter; None if columns are not filtered, or `kinematics` did so.
         """
         return None
 
@@ -186,10 +174,6 @@ class ZeroPhase(Preparation):
     def filter(self, x: FloatArray, rate: float) -> FloatArray:
         """Low-pass torques at ``cutoff``; memory beyond the result does not grow with ``x``."""
         return zero_phase(x, rate, self.cutoff)
-
-    def filter_columns(self, x: FloatArray, rate: float) -> FloatArray:
-        """Low-pass columns exactly as the torques."""
-        return self.filter(x, rate)
 
     def parallel(self, rate: float) -> ParallelFilter:
         """Return the low-pass at ``cutoff``."""

@@ -46,28 +46,23 @@ class Presliding:
         step[1:][(v[1:] == 0.0) & (v[:-1] == 0.0)] = 0.0
         # Speed of the first sample, over the RMS velocity, up to which a recording begins at rest
         slides = abs(v[0]) > 0.05 * np.sqrt(np.mean(v**2))
-        return hysteresis(step, self.length, float(np.sign(v[0])) if slides else 0.0)
-
-
-def hysteresis(step: FloatArray, length: float, start: float) -> FloatArray:
-    """Compute the state of :class:`Presliding` after each step."""
-    sign = np.sign(step)
-    moving = np.flatnonzero(sign)
-    if len(moving) == 0:
-        return np.full(len(step), start)
-    turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step in each direction
-    lengths = np.diff(turns, append=len(step))
-    lengths[0] += turns[0]
-    segment = np.repeat(np.arange(len(turns)), lengths)
-    path = np.cumsum(np.abs(step)) / length
-    before = np.where(turns > 0, path[turns - 1], 0.0)
-    directions = sign[turns]
-    decay = np.exp(before - np.append(before[1:], path[-1]))
-    first = np.append(start, _recurrence(decay, (1.0 - decay) * directions, start)[:-1])
-    s = directions[segment]
-    z = s + (first[segment] - s) * np.exp(np.minimum(before[segment] - path, 0.0))
-    z[: turns[0]] = start
-    return np.asarray(z)
+        start, sign = float(np.sign(v[0])) if slides else 0.0, np.sign(step)
+        moving = np.flatnonzero(sign)
+        if len(moving) == 0:
+            return np.full(len(step), start)
+        turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step in each direction
+        lengths = np.diff(turns, append=len(step))
+        lengths[0] += turns[0]
+        segment = np.repeat(np.arange(len(turns)), lengths)
+        path = np.cumsum(np.abs(step)) / self.length
+        before = np.where(turns > 0, path[turns - 1], 0.0)
+        directions = sign[turns]
+        decay = np.exp(before - np.append(before[1:], path[-1]))
+        first = np.append(start, _recurrence(decay, (1.0 - decay) * directions, start)[:-1])
+        s = directions[segment]
+        z = s + (first[segment] - s) * np.exp(np.minimum(before[segment] - path, 0.0))
+        z[: turns[0]] = start
+        return np.asarray(z)
 
 
 def _recurrence(factor: FloatArray, summand: FloatArray, start: float) -> FloatArray:

@@ -76,7 +76,8 @@ def test_noise_behind_a_filter_scatters_estimates_as_predicted(multisine, prepar
     predicted = predict(SMOOTH, [recording], NOISE, SCALES, preparation)
     q, v, a, valid = preparation.kinematics(recording)
     assert SMOOTH.reversing(v) is None
-    W = preparation.filter_columns(SMOOTH.regressor(q, v, a), 100.0)[valid]
+    W = SMOOTH.regressor(q, v, a)
+    W = (W if preparation.parallel(100.0) is None else preparation.filter(W, 100.0))[valid]
     rng, weight = np.random.default_rng(2), 1.0 / np.array(STD)
     noise = preparation.filter(rng.standard_normal((len(recording), 2, 400)) * np.array(STD)[:, None], 100.0)[valid]
     rows = (W * weight[:, None]).reshape(-1, W.shape[2])

@@ -105,9 +105,6 @@ def test_a_prior_from_a_leg_spares_values_near_zero(swing):
     value, std = prior.values["X1"]
     assert std == pytest.approx(0.2 * value)
     assert all(std > 0.0 for _, std in prior.values.values())
-    assert set(Prior.from_leg(swing.leg, names=("J3",)).values) == {"J3"}
-    with pytest.raises(ExoidError, match="no d_hip"):
-        Prior.from_leg(swing.leg, names=("d_hip",))
 
 
 def negative_friction(swing, std=0.05):

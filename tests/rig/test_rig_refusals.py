@@ -29,7 +29,6 @@ from exoid.rig import (
     Wearer,
     limb_of,
     plant_with_payloads,
-    sandbags,
     simulate,
 )
 from exoid.rig.ground import GroundMotion, GroundPlant, GroundSensors, JointGains, Sole, Spring, simulate_on_ground
@@ -111,7 +110,6 @@ REFUSED = {
         *(("positive definite", lambda x=x: Plant.build(BLEEX, x)) for x in ({"J3": -0.01}, {"J2": 0.01})),
         *(("pitch", lambda x=x: Plant.build(BLEEX, pitch=x)) for x in (np.nan, [[0.1, 0.2]], [])),
         *(("same leg", lambda x=x: Plant.concatenate(x)) for x in ([Plant.build(BLEEX), FREE], [])),
-        ("wearer", lambda: sandbags(height=0.0)),
         *(("a wearer of", lambda x=x: Wearer.build(CUHK, *x)) for x in ((175.0,), (1.7, 7e4), (-1.7,), (1.7, np.nan))),
         ("cuff_stiffness", lambda: Wearer.build(CUHK, cuff_stiffness=-1.0)),
         *(("cuff_damping", lambda x=x: Wearer.build(CUHK, cuff_damping=x)) for x in ((1.0, -2.0), "soft")),

@@ -222,9 +222,14 @@ def test_the_torque_of_the_wearer_arrives_as_late_as_all_readings():
 
 
 def test_the_limb_is_that_of_winters_table():
-    """Without an ankle it weighs as much as the sandbags; with one, its foot lies ahead of the ankle and below."""
-    limb = limb_of(CUHK, 1.70, 65.0)
-    np.testing.assert_allclose(limb.parameters, payload_parameters(CUHK, exoid.rig.sandbags()), atol=1e-12)
+    """Without an ankle the foot is at the end of the shank; with one, it lies ahead of the ankle and below."""
+    thigh, shank = 0.245 * 1.70, 0.246 * 1.70
+    bodies = [
+        exoid.Payload("hip", 6.5, (0.0, 0.0, -0.433 * thigh), 0.323 * thigh),
+        exoid.Payload("knee", 3.0225, (0.0, 0.0, -0.433 * shank), 0.302 * shank),
+        exoid.Payload("knee", 0.9425, (0.0, 0.0, -shank)),
+    ]
+    np.testing.assert_allclose(limb_of(CUHK, 1.70, 65.0).parameters, payload_parameters(CUHK, bodies), atol=1e-12)
     X, Y, J = limb_of(BLEEX, 1.80, 80.0).parameters.reshape(3, 3).T
     foot = 0.0145 * 80.0
     assert foot * 0.055 * 1.80 == pytest.approx(np.hypot(X[2], Y[2]), rel=0.1)

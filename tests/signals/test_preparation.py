@@ -90,7 +90,7 @@ def test_finite_differences_filter_nothing_and_drop_the_first_and_last_sample():
     np.testing.assert_allclose(kinematics.v[1:-1], (log.q[2:] - log.q[:-2]) * 50.0, atol=1e-9)
     np.testing.assert_allclose(kinematics.a[1:-1], np.diff(log.q, 2, axis=0) * 1e4, atol=1e-8)
     assert way.filter(log.tau, 100.0) is log.tau
-    assert way.filter_columns(log.tau, 100.0) is log.tau
+    assert way.parallel(100.0) is None
 
 
 def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_once():
@@ -100,5 +100,5 @@ def test_the_moving_average_delays_every_signal_alike_and_smooths_columns_only_o
     np.testing.assert_array_equal(kinematics.q, MovingAverage(0.25).filter(log.q, 1.0))
     np.testing.assert_array_equal(kinematics.v, MovingAverage(0.25).filter(v, 1.0))
     np.testing.assert_array_equal(way.filter(log.tau, 200.0), MovingAverage(0.25).filter(log.tau, 1.0))
-    assert way.filter_columns(log.tau, 200.0) is log.tau
+    assert way.parallel(200.0) is None
     assert 0.75**kinematics.valid.start <= 1e-3 < 0.75 ** (kinematics.valid.start - 1)

@@ -197,9 +197,9 @@ def _rows(
         base = base_during(block, preparation)
         shares = model.row_shares(block.q) if isinstance(model, SupportModel) else None  # (N, n, R)
         std = of_joints if shares is None else np.sqrt((shares[inside] ** 2).mean(axis=0).T @ of_joints**2)
-        W = preparation.filter_columns(model.regressor(q, v, a, base) * inside[:, None, None], rate)
-        use = model.usable(v) & inside[:, None]
-        parallel, slow = preparation.parallel(rate), model.reversing(v)
+        W, parallel = model.regressor(q, v, a, base) * inside[:, None, None], preparation.parallel(rate)
+        W = W if parallel is None else preparation.filter(W, rate)
+        use, slow = model.usable(v) & inside[:, None], model.reversing(v)
         if parallel is not None and slow is not None:
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
             pulses = [reversal_pulses(of_row, parallel) for of_row in unknown.T]

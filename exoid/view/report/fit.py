@@ -51,8 +51,9 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
     base = base_during(recording, preparation)
     motion = estimate.model.motion(q, v, a, base, recording.payloads)
     friction = estimate.model.friction_torque(motion, estimate.values)[:, estimate.model.leg.base_rows :]
-    filtered = preparation.filter_columns(friction, recording.sample_rate)[valid]
-    return RecordingPrediction(recording, q[valid], v[valid], validation, filtered)
+    if preparation.parallel(recording.sample_rate) is not None:
+        friction = preparation.filter(friction, recording.sample_rate)
+    return RecordingPrediction(recording, q[valid], v[valid], validation, friction[valid])
 
 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:

@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from loaded_legs import with_payloads
 from worn import log, push, swing, unworn_estimate
 
 import exoid
@@ -59,8 +58,8 @@ def test_a_sensor_of_one_joint_that_misleads(estimate, unworn, scale, late, unit
 
 
 def test_an_estimate_that_was_identified_with_a_wearer_inside(leg, unworn):
-    limb = with_payloads(leg, exoid.rig.sandbags())
-    inside = unworn_estimate(limb)
+    limb = exoid.rig.limb_of(leg, 1.70, 65.0)
+    inside = unworn_estimate(leg.with_parameters(leg.parameters + limb.parameters))
     found = exoid.interaction(inside, unworn)
     assert found.worn
     (finding,) = of_kind(found, "body-like-interaction")
