@@ -6,7 +6,7 @@ import pytest
 from public_robots import urdf_of
 
 import exoid
-from exoid.leg.dynamics import segment_placements
+from exoid.leg.dynamics import joint_frames
 from exoid.leg.model import configuration
 
 
@@ -38,9 +38,9 @@ MODELS = {
 def test_frames_are_those_of_pinocchio(name):
     model = MODELS[name]()
     q = np.random.default_rng(0).uniform(-4.0, 4.0, (50, model.nv))
-    placed, data = segment_placements(model, q), model.createData()
+    placed, data = joint_frames(model, q.T), model.createData()
     for i, row in enumerate(configuration(model, q)):
         pin.forwardKinematics(model, data, row)
         for j in range(model.njoints - 1):
-            np.testing.assert_allclose(placed.rotation[i, j], data.oMi[j + 1].rotation, rtol=0.0, atol=1e-12)
-            np.testing.assert_allclose(placed.translation[i, j], data.oMi[j + 1].translation, rtol=0.0, atol=1e-12)
+            np.testing.assert_allclose(placed.rotation[j, ..., i], data.oMi[j + 1].rotation, rtol=0.0, atol=1e-12)
+            np.testing.assert_allclose(placed.translation[j, :, i], data.oMi[j + 1].translation, rtol=0.0, atol=1e-12)
