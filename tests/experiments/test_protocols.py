@@ -5,7 +5,7 @@ import pytest
 
 import exoid
 from exoid.errors import ExoidError
-from exoid.experiments import bleex, cuhk, healthy_gait
+from exoid.experiments import Harmonics, bleex, cuhk, healthy_gait
 from exoid.experiments.limits import refuse_motion_beyond_limits, refuse_poses_beyond_limits
 from exoid.torques import TorqueModel
 
@@ -47,6 +47,18 @@ def test_pairs_are_half_a_turn_apart_at_the_same_ankle_angle(sets):
     first, second = sets.pairs[0::2], sets.pairs[1::2]
     np.testing.assert_allclose(absolute(second)[:, 1] - absolute(first)[:, 1], np.pi)
     np.testing.assert_array_equal(first[:, 2], second[:, 2])
+
+
+def test_there_are_100_random_poses_and_five_frequencies(sets):
+    assert sets.random.shape == (100, 3)
+    assert bleex.FREQUENCIES == (0.2, 0.4, 0.6, 0.8, 1.0)
+    assert len(sets.all) == len(sets.ankle) + len(sets.knee) + len(sets.pairs) + 100
+    motions = bleex.dynamic_motions()
+    for joint in range(3):
+        for k, frequency in enumerate(bleex.FREQUENCIES):
+            one, other = (motions.at(t).q[:, bleex.swing_index(joint, k)] for t in (0.25 / frequency, 0.75 / frequency))
+            assert (np.flatnonzero(np.abs(one - other) > 1e-9) == [joint]).all()
+            np.testing.assert_allclose((one + other) / 2.0, bleex.CENTRE)
 
 
 def test_splitting_poses_needs_all_of_them(sets):
@@ -92,3 +104,11 @@ def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
     model = TorqueModel(leg, (*terms, exoid.Offset(joints=("hip",))))
     assert cuhk._condition(model, many) < 60.0
     assert cuhk._condition(model, many) < cuhk._condition(model, few)
+
+
+def test_concatenated_motions_are_unchanged():
+    both = Harmonics.concatenate([healthy_gait(), healthy_gait(), cuhk.swing(1)])
+    np.testing.assert_allclose(
+        both.at(1.3).q, np.hstack([np.tile(healthy_gait().at(1.3).q, 2), cuhk.swing(1).at(1.3).q])
+    )
+    np.testing.assert_allclose(both.at(1.3).v[:, :1], healthy_gait().at(1.3).v)
