@@ -10,6 +10,7 @@ import exoid
 
 from .inputs import read_drives, read_logs
 from .legs import find_leg, refuse_unknown_leg
+from .numbers import parse_known
 from .option_groups import expand_options
 from .options import (
     ANY_LEG,
@@ -17,6 +18,7 @@ from .options import (
     READ_AS_IT_IS,
     AsJson,
     EstimateOutput,
+    Known,
     LegName,
     LegOptions,
     LogNames,
@@ -34,6 +36,7 @@ def select(
     output: EstimateOutput = None,
     folds: Annotated[int, Option(min=3, help="Blocks of each log, each predicted from the others.")] = 5,
     cutoff: Annotated[Number, Option(metavar="HZ", help="Low-pass of both torques; 8, or less by noise.")] = None,
+    known: Known = None,
     choice: LegOptions = ANY_LEG,
     reading: LogOptions = READ_AS_IT_IS,
     as_json: AsJson = False,
@@ -50,8 +53,9 @@ def select(
     if drives is not None:
         recordings = [drives.torque(each) for each in recordings]
     with progress_bar("selecting friction") as progress:
-        select_terms = exoid.identification.select_terms
-        selection = select_terms(found, recordings, folds=folds, cutoff=cutoff, progress=progress)
+        selection = exoid.identification.select_terms(
+            found, recordings, folds=folds, cutoff=cutoff, known=parse_known(known), progress=progress
+        )
     estimate = selection.estimate
     if output is not None:
         estimate.save(output)

@@ -83,7 +83,7 @@ def begin(
             remedy="leave LoadFriction out, or identify them one by one",
         )
     groups = tuple(
-        Group(name, _model(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
+        Group(name, model_with(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
         for name, (of_group, data) in pairs.items()
     )
     return Problem(groups, own_parameters(groups, own), knowledge, chosen)
@@ -176,12 +176,12 @@ def _remodelled(problem: Problem, own: str | Sequence[str] | None, apart: Sequen
     """Make the torque model of each group anew: terms have changed, or some parameters stand apart."""
     known = problem.given.known_names
     groups = tuple(
-        replace(group, model=_model(group.model.leg, problem.terms, known, apart)) for group in problem.groups
+        replace(group, model=model_with(group.model.leg, problem.terms, known, apart)) for group in problem.groups
     )
     return replace(problem, groups=groups, own=own_parameters(groups, own))
 
 
-def _model(leg: Leg, terms: Sequence[Term], known: Sequence[str], apart: Sequence[str] = ()) -> TorqueModel:
+def model_with(leg: Leg, terms: Sequence[Term], known: Sequence[str], apart: Sequence[str] = ()) -> TorqueModel:
     """Make a torque model: parameters are regrouped into free ones only, since a known one cannot take them in."""
     model = TorqueModel(leg, tuple(terms), separate=(*known, *apart))
     freed = [one.name for one in model.regrouped if not one.into.keys().isdisjoint(known)]

@@ -274,6 +274,12 @@ def attend(
         fits["checked"] = partial(exoid.identify, leg, training.recording)
     if "select" in features:
         fits["joint by joint"] = lambda: select_terms(leg, training.recording).estimate
+        true = machine.leg(believed=False)
+        known = {
+            name: x for name, x in zip(true.parameter_names, true.parameters.tolist(), strict=True) if name[0] == "Y"
+        }
+        if known:  # what a user knows of a planar machine with symmetric links
+            fits["Y known"] = lambda: select_terms(leg, training.recording, known=known).estimate
     for name, fit in fits.items():
         estimate = _attempt(outcome, name, fit)
         if estimate is not None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ class Design(NamedTuple):
     places: tuple[dict[Column, int], ...]  # index of each friction column of a joint, n of them
     independent_fraction: float  # share of the rows that carries independent noise
     gain: FloatArray  # what the filter makes of ones in all segments: rows fade towards their ends, (N,)
+    known: Mapping[int, float] = MappingProxyType({})  # values of base parameters that are held, by their column
 
     def indices(self, joint: int, columns: Sequence[Column]) -> NDArray[np.intp]:
         """Indices of friction columns of a joint."""

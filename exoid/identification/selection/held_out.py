@@ -70,53 +70,36 @@ class HeldOut(NamedTuple):
 def held_out_errors(fitted: Design, recordings: Sequence[Recording], folds: int) -> HeldOut:
     """Predict each stretch of the recordings from the others, with the friction models of a design."""
     compared = fitted.unfaded()
-    each = [_errors(blocks, fitted, compared) for blocks in blocked_folds(recordings, folds)]
+    each = [_residuals(blocks, fitted, compared) for blocks in blocked_folds(recordings, folds)]
+    left, torque = (np.hstack(rows) for rows in zip(*each, strict=True))
     # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.
-    whole = _Errors(*np.sum(each, axis=0))
-    fast = _errors(fast_blocks(recordings), fitted, compared)
+    spread = np.maximum(torque.std(axis=1), 1e-150)
     # The torque of a passive joint is zero: its NRMSE has no meaning, and would decide for all joints.
-    still = whole.spread <= 1e-9 * whole.spread.max()
-    of_folds = np.array([np.mean((errors.rms / whole.spread)[~still]) for errors in each])
-    nrmse, extrapolation = (np.where(still, np.nan, sums.rms / sums.spread) for sums in (whole, fast))
+    still = spread <= 1e-9 * spread.max()
+    of_folds = np.array([np.mean((_rms(of_one) / spread)[~still]) for of_one, _ in each])
+    fast, fast_torque = _residuals(fast_blocks(recordings), fitted, compared)
+    extrapolation = _rms(fast) / np.maximum(fast_torque.std(axis=1), 1e-150)
+    nrmse, extrapolation = (np.where(still, np.nan, x) for x in (_rms(left) / spread, extrapolation))
     return HeldOut(nrmse, of_folds, extrapolation)
 
 
-class _Errors(NamedTuple):
-    """Sums over the tested rows of one split, (n,) each."""
-
-    squares: FloatArray  # squared residuals [N²·m²]
-    torque: FloatArray  # measured torques [N·m]
-    torque_squares: FloatArray  # their squares [N²·m²]
-    rows: FloatArray  # number of rows
-
-    @property
-    def rms(self) -> FloatArray:
-        """Root of the mean squared residual [N·m], (n,)."""
-        return np.asarray(np.sqrt(self.squares / self.rows))
-
-    @property
-    def spread(self) -> FloatArray:
-        """Standard deviation of the measured torque [N·m], (n,)."""
-        return np.sqrt(np.maximum(self.torque_squares / self.rows - (self.torque / self.rows) ** 2, 1e-300))
+def _rms(residual: FloatArray) -> FloatArray:
+    """Root of the mean squared residual of each joint, (n,)."""
+    return np.asarray(np.sqrt(np.mean(residual**2, axis=1)))
 
 
-def _errors(blocks: Blocks, fitted: Design, compared: Design) -> _Errors:
-    """Errors on the tested rows of one split; not a number where rows are too few."""
+def _residuals(blocks: Blocks, fitted: Design, compared: Design) -> tuple[FloatArray, FloatArray]:
+    """Residuals and torques on the tested rows of one split, (n, K) each; not numbers where rows are too few."""
     active = [np.arange(columns.shape[1]) for columns in fitted.friction]
     used, tested = fold_of(blocks, fitted).fitted, fold_of(blocks, compared).tested
     count = fitted.base.shape[2] + max((len(k) for k in active), default=0)
     if used.sum() < count or not tested.any():
-        nothing = np.full(len(fitted.tau), np.nan)
-        return _Errors(nothing, nothing, nothing, nothing)
+        nothing = np.full((len(fitted.tau), 1), np.nan)
+        return nothing, nothing
     weights = np.broadcast_to(used.astype(np.float64), fitted.tau.shape)
     for _ in range(2):  # weights of the joints and residuals in turn
         base, friction = NormalEquations.of(fitted, weights).solve(active)
-        left = residuals(fitted, active, base, friction)
-        scale = np.sqrt(np.mean(left[:, used] ** 2, axis=1))
-        scale = np.maximum(scale, 1e-9 * np.sqrt(np.mean(left**2)) + 1e-300)[:, None]
-        weights = np.asarray(used / scale**2)
+        scale = _rms(residuals(fitted, active, base, friction)[:, used])
+        weights = used / np.maximum(scale, 1e-9 * scale.max() + 1e-300)[:, None] ** 2
     base, friction = NormalEquations.of(fitted, weights).solve(active)
-    left = residuals(compared, active, base, friction)[:, tested]
-    torque = compared.tau[:, tested]
-    rows_tested = np.full(len(torque), float(tested.sum()))
-    return _Errors((left**2).sum(axis=1), torque.sum(axis=1), (torque**2).sum(axis=1), rows_tested)
+    return residuals(compared, active, base, friction)[:, tested], compared.tau[:, tested]

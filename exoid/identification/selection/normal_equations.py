@@ -16,6 +16,7 @@ from exoid.regression.least_squares import TINY
 from .design import Design
 
 RIDGE = 1e-10  # added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent
+HELD = 1e8  # information about a known parameter, over that of all rows
 
 Active = Sequence[NDArray[np.intp]]
 """Indices of the friction columns of each joint that are fitted."""
@@ -35,11 +36,17 @@ class NormalEquations(NamedTuple):
         """Sum over rows."""
         weighted = [base * w[:, None] for base, w in zip(design.base, weights, strict=True)]
         loaded = [F * w[:, None] for F, w in zip(design.friction, weights, strict=True)]
+        base = np.sum([a.T @ b for a, b in zip(weighted, design.base, strict=True)], axis=0)
+        torque = np.sum([a.T @ t for a, t in zip(weighted, design.tau, strict=True)], axis=0)
+        for k, value in design.known.items():
+            sure = HELD * base[k, k]
+            base[k, k] += sure
+            torque[k] += sure * value
         return cls(
-            np.sum([a.T @ b for a, b in zip(weighted, design.base, strict=True)], axis=0),
+            base,
             tuple(a.T @ F for a, F in zip(weighted, design.friction, strict=True)),
             tuple(a.T @ F for a, F in zip(loaded, design.friction, strict=True)),
-            np.sum([a.T @ t for a, t in zip(weighted, design.tau, strict=True)], axis=0),
+            torque,
             tuple(a.T @ t for a, t in zip(loaded, design.tau, strict=True)),
         )
 

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.identification.gather import model_with
 from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
-from exoid.torques import Armature, Term, TorqueModel
+from exoid.torques import Armature, Term
 
 from .design import Design, form_design
 from .held_out import Fold, blocked_folds, fast_blocks, fold_of
@@ -29,18 +30,17 @@ class Search:
     recordings: Sequence[Recording]  # the recordings
     cutoff: float  # cut-off frequency of the parallel filter [Hz]
     folds: int  # number of folds in time
-    progress: Callable[[float], None] | None = None  # called with the share done
-    # number of first sweeps in which all joints have an offset: what it is worth shows when the load of
-    # friction is right
-    offset_sweeps: int = 0
+    progress: Callable[[float], object] = float  # called with the share done
     beside: tuple[Term, ...] = ()  # terms that every model has besides rigid bodies, armatures and friction
     late: Mapping[int, float] = field(default_factory=dict)  # delay of the torque of each joint [s], by its index
+    known: Mapping[str, float] = field(default_factory=dict)  # values of parameters that every model holds
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
-        model = TorqueModel(self.leg, (Armature(), *self.beside))  # what all candidates share
+        model = model_with(self.leg, (Armature(), *self.beside), [*self.known])  # what all candidates share
         recordings = [without_torque_delay(for_leg(model, one), self.late) for one in self.recordings if self.late]
-        return form_design(model, recordings or self.recordings, self.cutoff, library, rigid)
+        design = form_design(model, recordings or self.recordings, self.cutoff, library, rigid)
+        return design._replace(known={model.names.index(name): value for name, value in self.known.items()})
 
 
 class Choice(NamedTuple):
@@ -111,23 +111,25 @@ class Found(NamedTuple):
 
 
 def search_joint_by_joint(search: Search) -> Found:
-    """Sweep over the joints until predictions settle, at most four times after sweeps in which all have an offset."""
+    """Sweep over the joints until predictions settle, at most four times after two in which all have an offset."""
+    # What an offset is worth shows when the load of friction is right: without these sweeps some searches end in a
+    # worse model (NRMSE .049 instead of .016 on a machine of the proving ground), and hardly any in a better one.
     plain = (PLAIN,) * len(search.leg.joint_names)
     start = search.design(plain, None)
     choice = Choice.of(start, plain, Choice.of(start, plain, np.ones(len(plain))).sigma)
     before: FloatArray | None = None
-    joints, sweeps = len(plain), search.offset_sweeps + 4
+    joints, offset_sweeps = len(plain), 2
+    sweeps = offset_sweeps + 4
     for sweep in range(sweeps):
         grids = tuple(Grid().about(columns, sweep) if sweep else Grid() for columns in choice.columns)
         tables, chosen = Tables.of(search, grids, choice), list(choice.columns)
         for joint in range(joints):
-            with_offset = sweep < search.offset_sweeps
+            with_offset = sweep < offset_sweeps
             chosen[joint] = choose(tables, joint, chosen, choice.sigma, with_offset=with_offset)
-            if search.progress is not None:
-                search.progress((sweep * joints + joint + 1) / (sweeps * joints))
+            search.progress((sweep * joints + joint + 1) / (sweeps * joints))
         choice = Choice.of(tables.design, tuple(chosen), choice.sigma)
         explained = tables.design.tau - choice.left
-        if before is not None and sweep > search.offset_sweeps:
+        if before is not None and sweep > offset_sweeps:
             moved = np.sqrt(np.mean((explained - before) ** 2, axis=1)) / choice.sigma
             if moved.max() <= 0.05:  # part of the residual by which a joint's predicted torque still changes
                 break

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from exoid.errors import BadArgumentError, ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.estimate import Estimate
+from exoid.identification.gather import model_with
 from exoid.identification.identify import FitOptions, identify
 from exoid.identification.recording_summary import (
     refuse_dead_torques,
@@ -19,10 +20,11 @@ from exoid.identification.recording_summary import (
     unmeasured_joints,
 )
 from exoid.leg.leg import Leg
+from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.cutoff import choose_cutoff
 from exoid.tools.tables import make_table, to_text
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import DEFAULT_TERMS, Armature, Term
 from exoid.torques.catalog import term_to_json
 
 from .by_joint import Candidate, select_by_joint
@@ -94,27 +96,22 @@ class Selection:
             "joint_names": list(self.leg.joint_names),
             "chosen": self.candidate.name,
             "terms": [term_to_json(term) for term in self.candidate.terms],
-            "zero": list(self.candidate.zero),
+            "known": dict(self.candidate.known),
             "joints": [{**joint._asdict(), "coefficients": list(joint.coefficients)} for joint in self.joints],
             "warnings": list(self.warnings),
             "candidates": [candidate.to_json() for candidate in self.candidates],
         }
 
     def __repr__(self) -> str:
-        """Name the choice."""
-        return f"Selection({self.candidate.name!r} of {len(self.candidates)})"
-
-    def __str__(self) -> str:
         """Print as a table."""
-        headers = ("candidate", "fits", *self.leg.joint_labels, "mean", "± to best", "fast")
-        best = min(self.candidates, key=lambda one: one.mean)
+        headers = ("candidate", "fits", *self.leg.joint_labels, "mean", "fast")
         rows = []
         for k, one in enumerate(self.candidates):
             name = f"* {one.name}" if k == self.chosen else f"  {one.name}"
             if one.failure:
-                rows.append((name, "failed", *("",) * (len(one.nrmse) + 3)))
+                rows.append((name, "failed", *("",) * (len(one.nrmse) + 2)))
                 continue
-            figures = (*one.nrmse, one.mean, one.standard_error(best), one.fast)
+            figures = (*one.nrmse, one.mean, one.fast)
             rows.append((name, str(one.numbers), *("" if np.isnan(figure) else f"{figure:.4f}" for figure in figures)))
         title = (
             f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
@@ -125,8 +122,7 @@ class Selection:
             make_table(("joint", "friction"), [(joint.joint, joint.text) for joint in self.joints]),
             title,
             make_table(headers, rows),
-            f"* chosen: {self.candidate.name}, the fewest numbers of those whose mean and fast errors together are at "
-            "most 2 % above the least",
+            f"* chosen: {self.candidate.name}",
             *(f"{one.name}: {one.failure}" for one in self.candidates if one.failure),
             *(f"warning: {warning}" for warning in self.warnings),
         )
@@ -139,6 +135,7 @@ def select_terms(
     folds: int = 5,
     cutoff: float | None = None,
     beside: Sequence[Term] = (),
+    known: Mapping[str, float] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Selection:
     """Choose friction by how well it predicts stretches that it was not fitted to.
@@ -154,6 +151,7 @@ def select_terms(
         cutoff: Cut-off frequency of the filter [Hz]; None for at most 8 Hz, by the noise of the angles.
         beside: Terms that every model has besides the friction and rotors that are chosen, such as a spring over two
             joints.
+        known: Values of rigid bodies and rotors that every model holds, by name: {"Y2": 0.0} for a symmetric shank.
         progress: Called with the share done.
 
     Returns:
@@ -179,7 +177,9 @@ def select_terms(
             "friction is not selected beside rows of the base",
             remedy='pass terms to identify, or select with base="moving" and recordings without wrenches and contacts',
         )
-    model = TorqueModel(leg, tuple(beside))
+    knowledge = PriorKnowledge(known or {})
+    model = model_with(leg, (Armature(), *beside), knowledge.known_names)
+    knowledge.check(model)
     summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)
     refuse_dead_torques(model, summaries)
@@ -191,7 +191,7 @@ def select_terms(
             joints=tuple(missing),
         )
     late = _late_torques(leg, several, cutoff, beside)
-    search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late)
+    search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=knowledge.known)
     report = progress or (lambda share: None)
     candidates, chosen, columns, estimate = select_by_joint(search, report)
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))
