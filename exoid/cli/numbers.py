@@ -77,7 +77,6 @@ def parse_prior(pairs: Sequence[str] | None) -> dict[str, tuple[float, float]]:
     """Turn "J3=0.05:0.01" or "J3=0.05±0.01" into a value and its standard deviation by name."""
 
     def two(text: str) -> tuple[float, float]:
-        """Value and standard deviation."""
         value, _, std = text.replace("±", ":").partition(":")
         return float(value), float(std)
 

@@ -49,14 +49,12 @@ def select(
     check_outputs({"--output": output}, [leg, *logs])
     recordings = read_logs(logs, reading)
     found = find_leg(leg, choice, recordings[0].joint_names)
-    drives = read_drives(reading, found)
+    drives, values = read_drives(reading, found), parse_known(known)
     if drives is not None:
         recordings = [drives.torque(each) for each in recordings]
     with progress_bar("selecting friction") as progress:
-        selection = exoid.identification.select_terms(
-            found, recordings, folds=folds, cutoff=cutoff, known=parse_known(known), progress=progress
-        )
-    estimate = selection.estimate
+        select_terms = exoid.identification.select_terms
+        selection = select_terms(found, recordings, folds=folds, cutoff=cutoff, known=values, progress=progress)
     if output is not None:
-        estimate.save(output)
-    print_result(f"{selection}\n\n{estimate}", as_json=as_json, data=selection.to_json())
+        selection.estimate.save(output)
+    print_result(f"{selection}\n\n{selection.estimate}", as_json=as_json, data=selection.to_json())

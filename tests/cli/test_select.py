@@ -11,9 +11,10 @@ from exoid import Estimate
 @pytest.mark.slow
 def test_the_choice_is_identified_and_written(exoid_, tmp_path):
     """On a part of a log."""
-    part = ("--folds", "3", "--stop", "8", "-o", "est.json", "--json")
+    part = ("--folds", "3", "--stop", "8", "--known", "Y2=0.0578", "-o", "est.json", "--json")
     done = exoid_("select", "bleex_swing", "bleex_swing:train", *part)
     assert done.code == 0, done.err
     estimate = Estimate.load(tmp_path / "est.json")
     assert json.loads(done.out)["joint_names"] == list(estimate.joint_names)
+    assert estimate.value("Y2") == json.loads(done.out)["known"]["Y2"] == 0.0578
     assert (exoid.validate(estimate, exoid.datasets.bleex_swing().test).nrmse < 0.2).all()
