@@ -108,7 +108,6 @@ def select_by_joint(
         for joint, symbol in faults:  # each round bans a coefficient for good; another candidate may then be better
             found = found.without(joint, symbol)
         several[chosen], candidates[chosen] = found, _scored(found.search, candidates[chosen].name, found.choice)
-        progress(0.9)
     progress(1.0)
     return candidates, chosen, found.choice.columns, estimate
 
