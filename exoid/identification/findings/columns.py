@@ -87,6 +87,11 @@ class _Point:
     torque: FloatArray  # predicted torque [N·m], (n, N)
     of_leg: FloatArray  # its rigid-body part [N·m], (n, N)
 
+    @cached_property
+    def known(self) -> FloatArray:
+        """Torque of payloads less that of measured wrenches [N·m], (n, N)."""
+        return np.zeros_like(self.torque) if self.motion.payload is None else self.motion.payload.T
+
     def residual(self, j: int) -> FloatArray:
         """Measured torque of a joint less the predicted one [N·m], (N,)."""
         assert self.motion.measured is not None
@@ -132,8 +137,12 @@ class _Point:
 
 
 def _delay(at: _Point, joints: int | slice, _: int) -> FloatArray:
-    """Change by a delay of 1 s: −dτ/dt, by polynomials through five samples."""
-    x = at.torque[joints]
+    """Change by a delay of 1 s: −dτ/dt."""
+    return _earlier(at, at.torque[joints])
+
+
+def _earlier(at: _Point, x: FloatArray) -> FloatArray:
+    """Change of a torque by a delay of 1 s, by polynomials through five samples."""
     if not at.of.moving or x.shape[-1] < 5:
         return np.zeros_like(x)
     return np.asarray(-at.of.rate * scipy.signal.savgol_filter(x, 5, 4, deriv=1))
@@ -246,7 +255,8 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "gravity": _gravity,
     "length": _length,
     "clock": _clock,
-    "known": lambda at, *_: np.zeros_like(at.torque) if at.motion.payload is None else at.motion.payload.T,
+    "known": lambda at, *_: at.known,
+    "known delay": lambda at, *_: -_earlier(at, at.known),
     "compliance": _compliance,
     "ringing": _ringing,
     "play": _play,
@@ -263,7 +273,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 """Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
 
 OF_ALL_JOINTS = (
-    *("delays", "drift", "zero", "scale", "gravity", "length", "clock", "known"),
+    *("delays", "drift", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),
     *("compliance", "ringing", "play", "ripple"),
 )
 """Columns that act on the torques of all joints."""

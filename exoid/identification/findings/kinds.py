@@ -132,6 +132,12 @@ KINDS = {
         "check mass, place and link of payloads, and sign, unit and axes of force sensors",
         value=lambda delta: 1.0 + delta,
     ),
+    "wrench-delay": Kind(
+        1e-3,
+        "measured wrenches come {milli:.3g} ms {sign}",
+        "correct their time stamps",
+        signs=("after the motion", "before the motion"),
+    ),
     "unmodelled-friction": Kind(
         None,
         "the residual of {joint} depends on its velocity or load as {form} does",
@@ -243,6 +249,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
     if n > 1:
         faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
     faults.append(Nuisance("known-torque", "", -1, "1", add("known", 0)))
+    faults.append(Nuisance("wrench-delay", "", -1, "s", add("known delay", 0)))
     faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
     if not planar:
         tilt = (*add("gravity", 0), *add("gravity", 1))

@@ -166,7 +166,10 @@ def _rows(
         values = values.copy()
         values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
     columns = library(model, fitted.arms).columns
-    drift = len(model.names) + next(k for k, column in enumerate(columns) if column.kind == "drift")
+    drift, late = (
+        len(model.names) + next(k for k, column in enumerate(columns) if column.kind == kind)
+        for kind in ("drift", "known delay")
+    )
     nuisances = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
     every = WithColumns(model, (nuisances,) if other is None else (nuisances, other))
     assert isinstance(prepared.motion, Motion)
@@ -175,4 +178,5 @@ def _rows(
     prepared = prepared._replace(motion=motion if other is None else other.motion(motion))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., drift] *= (rows.time - fitted.clock_start(one))[:, None]
+    rows.W[..., late] *= bool(one.wrenches) if isinstance(one, Recording) else False  # a payload has no sensor
     return rows

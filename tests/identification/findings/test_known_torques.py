@@ -52,3 +52,12 @@ def test_the_sign_and_the_unit_of_a_force_sensor(held, factor):
         assert not kinds(found)
     else:
         assert of_kind(found, "known-torque").value == pytest.approx(1.0 / factor, rel=0.03)
+
+
+def test_a_force_sensor_that_is_late(held):
+    leg, log, force = held
+    late = np.column_stack([np.interp(log.time - 0.02, log.time, part) for part in force.T])
+    wrench = Wrench(late, np.zeros_like(late), point=PLACE)
+    found = exoid.check(leg, dataclasses.replace(log, wrenches={leg.link_names[1]: wrench}))
+    assert kinds(found) == {"wrench-delay"}
+    assert of_kind(found, "wrench-delay").value == pytest.approx(0.02, abs=0.001)
