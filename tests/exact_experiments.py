@@ -132,11 +132,10 @@ class CuhkData(NamedTuple):
 CUHK_FRICTION = {"c0_knee": 0.593, "d_knee": 0.192, "c0_hip": 1.445, "d_hip": 0.038, "b0_hip": 0.7}
 
 
-def cuhk_data(leg, seconds=20.0, dry=True):
+def cuhk_data(leg, seconds=20.0):
     """Document 2's five experiments, exact."""
     model = cuhk_steps.document_model(leg)
-    friction = {name: value for name, value in CUHK_FRICTION.items() if dry or not name.startswith("c0")}
-    smooth, rough = Exact(model, cuhk_truth()), Exact(model, {**cuhk_truth(), **friction})
+    smooth, rough = Exact(model, cuhk_truth()), Exact(model, {**cuhk_truth(), **CUHK_FRICTION})
     hip, knee = cuhk.swing(cuhk.HIP), cuhk.swing(cuhk.KNEE)
     return CuhkData(
         smooth.poses(cuhk.stiffness_poses()),

@@ -1,8 +1,6 @@
 """Drives as TOML files: what is written is read again, and every mistake is an error that names its place."""
 
-import contextlib
 import json
-import string
 
 import numpy as np
 import pytest
@@ -65,47 +63,6 @@ def test_what_is_written_is_read_again(tmp_path_factory, given_drives):
     assert dict(again.drives) == dict(actuators.drives)
     assert dict(again.couplings) == dict(actuators.couplings)
     assert actuators_from_data(json.loads(json.dumps(actuators_to_data(actuators))), CUHK).drives == again.drives
-
-
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(string.printable, max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["link", "point", "x"]), inner),
-    max_leaves=6,
-)
-KEYS = [
-    "type",
-    "torque_constant",
-    "ratio",
-    "efficiency",
-    "rotor_inertia",
-    "max_current",
-    "first",
-    "second",
-    "angle",
-    "angle_deg",
-    "moment_arm",
-    "max_force",
-    "stiffness",
-    "joints",
-    "matrix",
-]
-TYPES = st.sampled_from(["motor", "linear", "series-elastic", "coupling"])
-
-
-@pytest.mark.slow
-@given(
-    st.dictionaries(
-        st.sampled_from(["hip", "left_knee", "wrist"]),
-        st.dictionaries(st.sampled_from(KEYS), VALUES | TYPES).flatmap(
-            lambda table: st.just(table) | TYPES.map(lambda kind: {**table, "type": kind})
-        )
-        | VALUES,
-    )
-)
-@settings(max_examples=150, deadline=None)
-def test_any_table_is_read_or_refused(data):
-    with contextlib.suppress(exoid.ExoidError):
-        assert isinstance(actuators_from_data(data, CUHK), Actuators)
 
 
 def test_degrees_of_a_table_are_named(tmp_path):

@@ -115,22 +115,6 @@ def test_a_trial_in_three_files_gives_the_leg_that_moved(exoid_, trial):
     assert max(json.loads(run.out)["nrmse"]) < 0.02
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (("ik.mot", "--with", "id.sto", "--forces", "grf.mot"), ("grf.mot", "--plate PLATE=LINK; its plates are 1")),
-        (("ik.mot", "--with", "later.sto", "--columns", "lab.toml"), ("later.sto", "of one trial")),
-        (("ik.mot", "--with", "lab.toml", "--columns", "lab.toml"), ("lab.toml", "time")),
-    ],
-)
-def test_what_does_not_belong_together_is_refused(exoid_, trial, tmp_path, options, words):
-    time = 100.0 + np.arange(100) / 100.0
-    write_opensim(tmp_path / "later.sto", time, {"hip_flexion_l_moment": 0.0 * time})
-    run = exoid_("identify", "bleex", *options)
-    assert run.code == 2
-    assert all(word in run.err for word in words), run.err
-
-
 PERSON = np.array([8.0, 5.0, 0.0])
 """Amplitudes of the torques that the person exerts [N·m]."""
 

@@ -121,15 +121,6 @@ def test_a_plan_is_what_a_rig_is_commanded(plan):
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_plan(plan):
-    again = plan_excitation(CUHK, limits=plan.limits, noise=0.3, duration=20.0, highest=0.7, starts=2)
-    assert (again.motions[0].sine == plan.motions[0].sine).all()
-    assert str(again) == str(plan)
-    other = plan_excitation(CUHK, limits=plan.limits, noise=0.3, duration=20.0, highest=0.7, starts=1, seed=1)
-    assert (other.motions[0].sine != plan.motions[0].sine).any()
-
-
-@pytest.mark.slow
 def test_tilting_the_torso_makes_hip_stiffness_known():
     """Doc. 1 proposes it: upright, X1 and the hip's spring are nearly collinear."""
     terms = (exoid.Stiffness(), exoid.Coulomb())

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from planar_chains import random_motion
 
-import exoid
-from exoid import Armature, Coulomb, ExoidError, Leg, Offset, Stiffness, Viscous
-from exoid.torques import DEFAULT_TERMS, CoordinateTerm, JointMotion, Term, TorqueModel
+from exoid import Armature, Coulomb, ExoidError, Offset, Stiffness, Viscous
+from exoid.torques import DEFAULT_TERMS, CoordinateTerm, JointMotion, Term
 from exoid.torques.catalog import TERMS, term_by_name, term_to_json
 
 NAMES = ("left_hip", "left_knee", "left_ankle")
@@ -83,29 +81,3 @@ def test_every_term_has_a_name_and_the_defaults_are_among_them():
         assert term_by_name(name) == kind()
         assert term_to_json(kind())["term"] == name
     assert {type(term) for term in DEFAULT_TERMS} <= set(TERMS.values())
-
-
-def test_a_users_own_term_takes_part_like_any_other():
-    class Backlash(Term):
-        """Something with two parameters."""
-
-        @property
-        def symbols(self) -> tuple[str, ...]:
-            return ("up", "down")
-
-        @property
-        def units(self) -> tuple[str, ...]:
-            return ("N·m", "N·m")
-
-        def fill(self, motion, out) -> None:
-            up, down = motion.v > 0, motion.v < 0  # elsewhere it finds zeros
-            out[0, up], out[1, down] = motion.v[up] ** 2, motion.v[down] ** 2
-
-    leg = Leg.from_description(exoid.load_leg("cuhk").description, ("left_hip", "left_knee"))
-    model = TorqueModel(leg, (Backlash(joints=("knee",)),))
-    assert model.names[-2:] == ("up_knee", "down_knee")
-    q, v, a = random_motion(np.random.default_rng(1), 2)
-    W = model.regressor(q, v, a)
-    np.testing.assert_array_equal(W[:, 1, -2], np.maximum(v[:, 1], 0) ** 2)
-    assert not W[:, 0, -2:].any()
-    assert set(model.own_parameters(1)) >= {"up_knee", "down_knee"}

@@ -118,11 +118,3 @@ def test_names_from_files_cannot_break_the_page():
     tree = check(html)
     assert not list(tree.iter("script"))
     assert tree.findtext(".//h1") == evil
-
-
-def test_a_page_is_written_whole_or_not_at_all(tmp_path):
-    page = Page("Errors", ["None."], [])
-    with pytest.raises(exoid.ExoidError, match="cannot be written"):
-        page.save(tmp_path / "missing" / "report.html")
-    page.save(tmp_path / "report.html")
-    assert (tmp_path / "report.html").read_text() == page.html()

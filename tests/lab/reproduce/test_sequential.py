@@ -105,18 +105,6 @@ def test_the_moving_average_biases_what_moves_but_not_what_stands(cuhk_leg):
     assert known["d_hip"] > truth["d_hip"] + 0.2
 
 
-@pytest.mark.nightly
-def test_what_document_2_steps_claim_agrees_with_the_scatter(cuhk_leg):
-    """Noise that the moving average has passed is not white, which the claim has to know.
-
-    Without dry friction, whose jumps come late, too, and with poses averaged over twenty readings: what either leaves
-    in the residual would make the claim too wide.
-    """
-    data, rng = cuhk_data(cuhk_leg, seconds=60.0, dry=False), np.random.default_rng(5)
-    still, moving = Noisy(rng, (0.3 / np.sqrt(20.0),) * 2), Noisy(rng, (0.3, 0.3))
-    assert_honest([cuhk_all(cuhk_leg, [*still(data[:2]), *moving(data[2:])]) for _ in range(150)])
-
-
 # ------------------------------------------------------------------------------------------ refusals
 
 
