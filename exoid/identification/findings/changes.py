@@ -85,11 +85,13 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
 
 def _changes(state: State, columns: Sequence[int]) -> Iterator[tuple[float, float, Change]]:
     """Test all changes, each beside the fitted columns: score² / variance, share that it explains, where it is much."""
-    blocks, grams = _grams(state, columns)
+    chosen = list(dict.fromkeys((*state.columns.tolist(), *columns)))
+    own = [chosen.index(k) for k in columns]
+    blocks, grams = _grams(state, [*chosen, -1])
     fitted = len(state.columns)
     residual = grams[:, :, -1] - grams[:, :, :fitted] @ state.solution  # Xᵀr and Zᵀr of each block
     inverse, rss = state.pinv @ state.pinv.T, float(state.residual @ state.residual)
-    each = grams[:, :fitted, fitted:-1], np.diagonal(grams, axis1=1, axis2=2)[:, fitted:-1], residual[:, fitted:-1]
+    each = grams[:, :fitted, own], np.diagonal(grams, axis1=1, axis2=2)[:, own], residual[:, own]
     # Xᵀz, zᵀz and zᵀr of all blocks before each
     sums = [np.cumsum(np.insert(x, 0, 0.0, axis=0), axis=0) for x in each]
     for place, first, last in _places(state.evidence, blocks):
@@ -102,23 +104,22 @@ def _changes(state: State, columns: Sequence[int]) -> Iterator[tuple[float, floa
         much = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
         for k in np.flatnonzero(much).tolist():
             # variance of the score by those of the blocks, less the change
-            a, z = share[:, k], inside[:, None] * grams[:, :, fitted + k]
+            a, z = share[:, k], inside[:, None] * grams[:, :, own[k]]
             across = z[:, :fitted] - grams[:, :fitted, :fitted] @ a
-            power = z[:, fitted + k] - z[:, :fitted] @ a - across @ a
-            of_blocks = inside * residual[:, fitted + k] - residual[:, :fitted] @ a - power * score[k] / information[k]
+            power = z[:, own[k]] - z[:, :fitted] @ a - across @ a
+            of_blocks = inside * residual[:, own[k]] - residual[:, :fitted] @ a - power * score[k] / information[k]
             statistic = score[k] ** 2 / max(of_blocks @ of_blocks, TINY)
             yield float(statistic), float(score[k] ** 2 / (information[k] * rss)), place._replace(column=columns[k])
 
 
 def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]], FloatArray]:
-    """Begin of each block, part and row, and its [X Z τ]ᵀ[X Z τ]: fitted columns, those of numbers, torque."""
+    """Begin of each block, part and row, and products of some of its columns."""
     evidence = state.evidence
     size = max(8, -(-sum(len(part.time) for part in evidence.parts) // BLOCKS))
     blocks, grams = [], []
-    chosen = [*state.columns.tolist(), *columns, -1]
     for place, (part, rest) in enumerate(zip(evidence.parts, evidence.at_rest, strict=True)):
         starts = np.linspace(0, len(part.time), 1 if rest else max(1, round(len(part.time) / size)), endpoint=False)
-        several = [w * of_joint[place][chosen] for w, of_joint in zip(state.weights, evidence.tables, strict=True)]
+        several = [w * of_joint[place][columns] for w, of_joint in zip(state.weights, evidence.tables, strict=True)]
         for start, stop in pairwise([*starts.astype(np.intp).tolist(), len(part.time)]):
             blocks.append((place, start))
             rows = np.hstack([table[:, start:stop] for table in several])

@@ -113,11 +113,12 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         found = found or scales
         if not found:
             found += turned_segment(checked)
-    yield from found
+    doubted = broken or any(finding.severity != "info" for finding in found)
     if not explained and not any(finding.severity == "error" for finding in found):
         fitted = checked.fitted
-        yield from impossible_leg(fitted.model.leg, fitted.values, fitted.covariance, checked.evidence.factors)
-    yield from large_residuals(checked, doubted=broken or any(finding.severity != "info" for finding in found))
+        found += impossible_leg(fitted.model.leg, fitted.values, fitted.covariance, checked.evidence.factors)
+    impossible = any(finding.kind == "impossible-leg" for finding in found)
+    yield from (*found, *large_residuals(checked, doubted=doubted, impossible=impossible))
 
 
 def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]) -> tuple[list[Finding], bool]:

@@ -17,7 +17,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.leg.dynamics import TorqueSlopes, gravity_torque, inverse_dynamics_slopes
+from exoid.leg.dynamics import gravity_torque, inverse_dynamics_slopes
 from exoid.leg.leg import Leg
 from exoid.torques import Coulomb, Motion, TorqueModel
 
@@ -110,11 +110,12 @@ class _Point:
         return np.tanh(sharper * self.motion.v[:, j] / next(widths, 0.05))
 
     @cached_property
-    def slopes(self) -> TorqueSlopes:
-        """Derivatives of the rigid-body torque by angles, velocities and accelerations of the joints."""
+    def slopes(self) -> FloatArray:
+        """Derivatives of rigid-body torques by angles, velocities and accelerations, each joint's, (3, n, n, N)."""
         leg, motion = self.of.model.leg, self.motion
         if not leg.limbs and leg.closure is None:
-            return inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
+            slopes = inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
+            return np.ascontiguousarray(np.transpose(slopes, (0, 3, 2, 1)))
         # Pinocchio's are slower for planar legs, and know no closed loops: differences of the regressor
         samples, n = motion.q.shape
         several = Motion(*motion[:4]).rows(np.tile(np.arange(samples), 3 * n))
@@ -122,11 +123,11 @@ class _Point:
             for j in range(n):
                 x.reshape(3, n, samples, n)[k, j, :, j] += STEP
         torque = self.regressor_torque(leg, several).reshape(n, 3, n, samples)
-        return TorqueSlopes(*((torque - self.of_leg[:, None, None]) / STEP).transpose(1, 3, 0, 2))
+        return np.asarray((torque - self.of_leg[:, None, None]).transpose(1, 2, 0, 3) / STEP)
 
     def by_joint(self, j: int, *changes: FloatArray) -> FloatArray:
         """Change of the rigid-body torque (n, N) by one of angle, velocity and acceleration of a joint, (N,) each."""
-        return np.asarray(sum(slope[:, :, j].T * change for slope, change in zip(self.slopes, changes, strict=True)))
+        return np.asarray(sum(slope[j] * change for slope, change in zip(self.slopes, changes, strict=True)))
 
     def regressor_torque(self, leg: Leg, motion: Motion) -> FloatArray:
         """Rigid-body torque of a leg by its regressor, (n, N)."""
@@ -250,7 +251,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "drift": lambda at, *_: _delay(at, slice(None), -1),  # times the time since the log began, see the rows of a check
     "gain": lambda at, j, _: at.torque[j],
     "cross-talk": lambda at, _, other: at.torque[other],
-    "zero": lambda at, j, _: at.slopes.q[:, :, j].T,
+    "zero": lambda at, j, _: at.slopes[0, j],
     "scale": lambda at, j, _: at.by_joint(j, *(x[:, j] for x in at.motion[:3])),
     "gravity": _gravity,
     "length": _length,

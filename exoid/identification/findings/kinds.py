@@ -23,6 +23,7 @@ class Nuisance(NamedTuple):
     unit: str  # unit of the fault
     columns: tuple[int, ...]  # indices of its columns, with a coefficient each
     form: str = ""  # form of the fault, such as "Stribeck friction"; "" for any
+    most: float = np.inf  # size up to which its columns, of first order, describe it
 
     @property
     def is_corrected(self) -> bool:
@@ -237,10 +238,11 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             mixed = add("cross-talk", j, *(k for k in range(n) if k != j))
             faults.append(Nuisance("cross-talk", joint, j, "1", mixed))
         if planar and j < n - 1:
-            faults.append(Nuisance("segment-length", joint, j, "1", add("length", j)))
+            faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j)))
-        for k, often in ((2, "twice"), (4, "four times"), (8, "eight times")):
-            faults.append(Nuisance("angle-ripple", joint, j, "rad", add("ripple", j, 2 * k, 2 * k + 1), form=often))
+        for k, often in ((4, "four times"), (8, "eight times")):
+            waves = add("ripple", j, 2 * k, 2 * k + 1)
+            faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))
         for kind in ("compliance", "ringing"):
             faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)))
         if j in arms:
@@ -255,6 +257,6 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
         tilt = (*add("gravity", 0), *add("gravity", 1))
         faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
-        faults.append(Nuisance("clock", "", -1, "1", add("clock", 0)))
+        faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
     always = tuple(k for k, column in enumerate(columns) if column.kind == "sharpness")
     return Library(tuple(columns), tuple(faults), always)

@@ -204,20 +204,18 @@ def turned_segment(checked: CheckedFit) -> Iterator[Finding]:
         yield Finding(kind, joint, value, "rad", "info", message, remedy, interval)
 
 
-def large_residuals(checked: CheckedFit, *, doubted: bool) -> Iterator[Finding]:
+def large_residuals(checked: CheckedFit, *, doubted: bool, impossible: bool) -> Iterator[Finding]:
     """Find joints whose torque the model does not explain; where nothing else was found, by smaller residuals."""
-    model = checked.fitted.model
+    model, wrong = checked.fitted.model, 0.5 if impossible else 0.9
     for j, joint in enumerate(model.joint_names):
         nrmse, poor = float(checked.nrmse[j]), 0.5
         # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
         if nrmse <= (poor if doubted or checked.persistence[j] <= 0.5 else 0.15):
             continue
-        remedy = "check whether this channel is the torque of this joint, and record larger or faster motions"
-        if nrmse <= poor:
-            remedy = (
-                "if the torso moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else check for "
-                "contacts, straps and cables"
-            )
-        message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= 0.9)]
+        remedy = (
+            "check whether this channel is the torque of this joint, and for contacts, straps and cables; if the torso "
+            "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
+        )
+        message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
         doubtful = tuple(np.array(model.names)[model.acting[j]].tolist())
         yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, parameters=doubtful)

@@ -61,7 +61,6 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
         evidence = gather(fitted, fitted.values) if evidence is None else evidence
         friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
         beside = _Beside(evidence, {}, always, friction)
-        before = State.of(evidence, ()).values
         changes: list[Change] = []
         for _ in range(6):  # at most so many faults
             state = beside.fit()
@@ -91,7 +90,8 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
         sizes = (_sized(beside, fault, forms if fault.kind == "unmodelled-force" else ()) for fault in beside.faults)
         found = [fault for fault in sizes if fault is not None and _counts(fault.score, limit) and fault.matters]
         if found:  # the first is blamed for what all together move more than it does alone
-            total, first = State.of(beside.evidence, beside.staying()).values - before, found[0].score
+            now, before = (State.of(*fit).values for fit in ((beside.evidence, beside.staying()), (evidence, ())))
+            total, first = now - before, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
             found[0] = found[0]._replace(score=first._replace(move=move))
         return tuple(found)
@@ -174,6 +174,8 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     most = max((one.evidence for one in likely), default=0.0)
     plainly = any(_is_late(one) or (_is_scaled(one) and 1.5 * one.evidence > most) for one in likely)
     likely.sort(key=lambda one: (plainly and one.nuisance.kind in ("unmodelled-force", "cross-talk"), -one.evidence))
+    if likely and float(np.linalg.norm(likely[0].delta)) > likely[0].nuisance.most:
+        return []  # something else is wrong, of which the columns know nothing
     return [one for one in likely if abs(one.evidence - likely[0].evidence) < UNDECIDED]
 
 

@@ -32,24 +32,31 @@ def wraps(recording: Recording) -> Iterator[Finding]:
 def angle_jumps(recording: Recording) -> Iterator[Finding]:
     """Find angles that jump and stay there: encoders that slip, or whose zero is set anew."""
     # Between two samples an angle passes by what it does before and after: stops, impacts and friction keep to that.
-    steps, around = np.diff(recording.q, axis=0), np.ones((2 * WINDOW + 1, 1), dtype=np.bool_)
-    around[WINDOW] = False
-    low, high = (f(steps, footprint=around) for f in (scipy.ndimage.minimum_filter, scipy.ndimage.maximum_filter))
+    steps, width = np.diff(np.ascontiguousarray(recording.q.T)), 2 * WINDOW + 1
+    ends = np.pad(steps, ((0, 0), (WINDOW, WINDOW)), "edge")
+    around = np.lib.stride_tricks.sliding_window_view(ends, steps.shape[1], axis=1)
+    before, after = around[:, :WINDOW], around[:, WINDOW + 1 :]
+    low, high = np.minimum(before.min(axis=1), after.min(axis=1)), np.maximum(before.max(axis=1), after.max(axis=1))
     beyond = steps - np.clip(steps, low, high)
-    usual = np.quantile(np.abs(beyond), 0.98, axis=0) + (high - low) + [quantum(x) for x in recording.q.T]
-    total = len(around) * scipy.ndimage.uniform_filter1d(beyond, len(around), axis=0)
-    jumps = (np.abs(beyond) > 4.0 * usual) & (np.abs(total) > 0.5 * np.abs(beyond)) & (np.abs(steps) < np.pi)
-    jumps[jumps.sum(axis=1) > 1] = False  # all at once: samples are missing
+    size, usual = np.abs(beyond), high - low + np.array([[quantum(x)] for x in recording.q.T])
+    if not (size > 4.0 * usual).any():
+        return
+    ratio = size / (usual + np.quantile(size, 0.98, axis=1, keepdims=True))
+    total = width * scipy.ndimage.uniform_filter1d(beyond, width)
+    # an impact, and samples that are missing, show at other joints, too
+    alone = (scipy.ndimage.maximum_filter1d(ratio, width) > 1.25).sum(axis=0) == 1
+    jumps = alone & (ratio > 4.0) & (np.abs(total) > 0.5 * size) & (np.abs(steps) < np.pi)
+    jumps &= size > 0.1 * np.max(size * jumps, axis=1, keepdims=True)  # the rest are counts of the encoder
     for place, joint in enumerate(recording.joint_names):
-        if (found := np.flatnonzero(jumps[:, place])).size:
-            worst = int(found[np.argmax(np.abs(beyond[found, place]))])
-            size = float(beyond[worst, place])
+        if count := int(jumps[place].sum()):
+            worst = int(np.argmax(size[place] * jumps[place]))
+            jump = float(beyond[place, worst])
             message = (
-                f"the angle jumps {len(found)} times, most by {1e3 * size:.3g} mrad at "
+                f"the angle jumps {count} times, most by {1e3 * jump:.3g} mrad at "
                 f"{recording.time[worst + 1]:.3f} s, and stays there"
             )
             remedy = "mend the encoder, and split the log there (Recording.between)"
-            yield Finding("angle-jump", joint, size, "rad", "warning", message, remedy)
+            yield Finding("angle-jump", joint, jump, "rad", "warning", message, remedy)
 
 
 def missing_samples(recording: Recording) -> Iterator[Finding]:
@@ -64,7 +71,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     jump, velocity = _jumps(q, 1.0 / rate)
     steps = np.diff(q, axis=1)
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
-    still = np.lib.stride_tricks.sliding_window_view(np.abs(steps), WINDOW - 1, axis=1).max(axis=2) == 0.0
+    rests, count = steps == 0.0, len(recording) - WINDOW + 1
+    still = np.logical_and.reduce([rests[:, k : k + count] for k in range(WINDOW - 1)])
     moves = ~(still[:, :-WINDOW] | still[:, WINDOW:])
     moving = (x[here] for x, here in zip(jump, moves, strict=True))
     noise = np.array([robust_std(x - np.median(x)) if x.size else 0.0 for x in moving])

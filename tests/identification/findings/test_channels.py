@@ -96,6 +96,8 @@ def test_an_angle_that_jumps_and_stays_is_named_and_spikes_stops_and_lost_sample
     assert value == pytest.approx(0.03, rel=0.1)
     assert jumps(lambda x: x + 0.03 * (np.arange(len(x)) == 1234)) == []  # a spike
     assert jumps(lambda x: np.where(later, 2.0 * x[1234] - x, x)) == []  # an impact turns the motion round
+    shaken = with_column(log, "q", 0, lambda x: x + 0.03 * (np.arange(len(x)) > 1236))  # an impact shakes all joints
+    assert "angle-jump" not in kinds(exoid.check(leg, with_column(shaken, "q", 1, lambda x: x + 0.03 * later)))
     kept = np.setdiff1d(np.arange(len(log)), np.arange(1234, 1240))
     lost = dataclasses.replace(log.slice(0, len(kept)), q=log.q[kept], tau=log.tau[kept])
     assert "angle-jump" not in kinds(exoid.check(leg, lost))

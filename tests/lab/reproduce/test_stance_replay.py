@@ -61,7 +61,6 @@ def test_wrong_labels_move_nothing_and_are_counted(replay):
 
 
 @pytest.mark.nightly
-@pytest.mark.xfail(reason="waves of the hip's angle, a warning, hide friction under load, an error", strict=True)
 def test_a_fixed_torso_is_called_wrong(replay):
     assert any(finding.severity == "error" for finding in replay.walk.fixed)
     assert replay.walk.bias_error < 0.02
