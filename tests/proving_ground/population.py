@@ -203,7 +203,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     ),
     "velocity twice as large": (velocity(gain=2.0), "velocity-scale"),
     "velocity 2 % too large": (velocity(gain=1.02), "velocity-scale"),
-    "encoder slips by 2° half way": (column("q", half_way(lambda x: x + np.deg2rad(2.0))), "change"),
+    "encoder slips by 2° half way": (column("q", half_way(lambda x: x + np.deg2rad(2.0))), "angle-jump"),
     "zero set again by 2° between two logs": (in_two_logs, "change"),
     "torque sensor is set again half way": (column("tau", half_way(lambda x: x + 0.5 * x.std())), "change"),
     "scale of a torque grows by 0.1 half way": (column("tau", half_way(lambda x: 1.1 * x)), "change"),

@@ -150,13 +150,11 @@ def _earlier(at: _Point, x: FloatArray) -> FloatArray:
 
 
 def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
-    """Derivative of the gravity torque by a tilt about one of two horizontal axes."""
+    """Derivative of the gravity torque by a tilt about one of the two axes that are nearest to horizontal."""
     model = at.leg.model.copy()
     gravity = np.array(model.gravity.linear)
-    up = -gravity / np.linalg.norm(gravity)
-    first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    directions = (first / np.linalg.norm(first), np.cross(up, first / np.linalg.norm(first)))
-    model.gravity.linear = np.cross(directions[axis], gravity)
+    horizontal = np.delete(np.eye(3), np.argmax(np.abs(gravity)), axis=0)
+    model.gravity.linear = np.cross(horizontal[axis], gravity)
     tree = at.leg.tree_motion(at.motion.q)
     return tree.project(gravity_torque(model, tree.q)).T
 

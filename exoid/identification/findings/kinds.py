@@ -239,7 +239,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             faults.append(Nuisance("cross-talk", joint, j, "1", mixed))
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
-        faults.append(Nuisance("play", joint, j, "rad", add("play", j)))
+        faults.append(Nuisance("play", joint, j, "rad", add("play", j), most=0.05))
         for k, often in ((4, "four times"), (8, "eight times")):
             waves = add("ripple", j, 2 * k, 2 * k + 1)
             faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))

@@ -48,10 +48,9 @@ class CheckedFit(NamedTuple):
                 squares = [of_part[part.usable[:, j], j] ** 2 for part, of_part in zip(parts, left, strict=True)]
                 rms[j] = np.sqrt(np.mean(np.concatenate(squares)))
         moving = [of_part for of_part, rest in zip(left, evidence.at_rest, strict=True) if not rest]
-        power, product = np.zeros((2, n))
-        for residual in moving:
-            power += np.sum(residual**2, axis=0)
-            product += np.sum(residual[1:] * residual[:-1], axis=0)
+        none = np.zeros(n)
+        power = sum((np.sum(residual**2, axis=0) for residual in moving), none)
+        product = sum((np.sum(residual[1:] * residual[:-1], axis=0) for residual in moving), none)
         std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
         # by more than their errors and 2 % of the torque
         shares = evidence.torque_shares(np.arange(len(values)), np.diag(values))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -138,8 +138,8 @@ def _is_scaled(score: Score) -> bool:
 
 def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
-    if score.nuisance.kind in ("elastic-joint", "play") and score.delta[0] < 0.0:  # a link is not ahead of its load
-        return False
+    if score.nuisance.kind in ("elastic-joint", "play") and not 0.0 <= score.delta[0] <= score.nuisance.most:
+        return False  # a link is not ahead of its load
     # a change is the best of those at all times
     ease = COMMON if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind == "change" else 1.0
     least = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
@@ -240,18 +240,15 @@ def _corrected(data: Recording | Poses, fault: Nuisance, delta: float, start: fl
             return data
         late = delta if fault.kind == "torque-delay" else delta * (data.time - start)
         return without_torque_delay(data, dict.fromkeys(joints, late))
-    changes: dict[str, Any] = {}
-    if fault.kind in ("angle-offset", "gravity-direction"):
-        changes["q"] = data.q.copy()
-        changes["q"][:, joints] += delta
-        return replace(data, **changes)
-    of_torque = fault.kind == "torque-scale"
-    factor = 1.0 / (1.0 + delta) if of_torque else 1.0 + delta
-    for name in ("tau",) if of_torque else ("q", "v", "a"):
-        if (x := getattr(data, name, None)) is not None:
-            changes[name] = np.array(x)
-            changes[name][:, joints] *= factor
-    return replace(data, **changes)
+    names: tuple[str, ...] = "q", "v", "a"
+    factor, offset = 1.0 + delta, 0.0
+    if fault.kind == "torque-scale":
+        names, factor = ("tau",), 1.0 / (1.0 + delta)
+    elif fault.kind != "angle-scale":
+        names, factor, offset = ("q",), 1.0, delta
+    own = np.isin(range(len(data.joint_names)), joints)
+    signals = {name: x for name in names if (x := getattr(data, name, None)) is not None}
+    return replace(data, **{name: np.where(own, factor * x + offset, x) for name, x in signals.items()})
 
 
 def delays(faults: Sequence[Fault], joints: int) -> tuple[FloatArray, FloatArray]:

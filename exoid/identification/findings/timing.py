@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import BoolArray, FloatArray
+from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
 from exoid.signals import Recording
 from exoid.signals.cutoff import robust_std
@@ -68,7 +68,12 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
         return
     rate = recording.sample_rate
     q = np.ascontiguousarray(recording.q.T)
-    jump, velocity = _jumps(q, 1.0 / rate)
+    k = np.arange(WINDOW) - 0.5 * (WINDOW - 1)
+    slope, level = k / (k @ k), np.full(WINDOW, 1.0 / WINDOW)
+    windows, to_middle = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=1), 0.5 * WINDOW
+    before, after = windows[:, :-WINDOW], windows[:, WINDOW:]
+    jump = after @ (level - to_middle * slope) - before @ (level + to_middle * slope)
+    velocity = 0.5 * (after @ slope + before @ slope) * rate
     steps = np.diff(q, axis=1)
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
     rests, count = steps == 0.0, len(recording) - WINDOW + 1
@@ -102,13 +107,3 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     remedy = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
     interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
     yield Finding("missing-samples", "", lost, "s", "warning", message, remedy, interval)
-
-
-def _jumps(q: FloatArray, interval: float) -> tuple[FloatArray, FloatArray]:
-    """Jump of the angle [rad] and velocity [rad/s] in the middle of each inner interval, (n, N − 2 W + 1)."""
-    k = np.arange(WINDOW) - 0.5 * (WINDOW - 1)
-    slope, level = k / (k @ k), np.full(WINDOW, 1.0 / WINDOW)
-    windows, to_middle = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=1), 0.5 * WINDOW
-    before, after = windows[:, :-WINDOW], windows[:, WINDOW:]
-    jump = after @ (level - to_middle * slope) - before @ (level + to_middle * slope)
-    return jump, 0.5 * (after @ slope + before @ slope) / interval
