@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -63,10 +62,9 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     found += [*out_of_plane_base(sample), *gravity_size(sample)]
     checked = CheckedFit.of(sample, evidence)
     found += _fit_findings(checked, broken=any(one.severity == "error" for one in found))
-    ranges = reduce(MotionRanges.joined, evidence.ranges)
     spread = checked.spread if sample.preparation is fitted.preparation else None
     moving = [part for part, rest in zip(evidence.parts, evidence.at_rest, strict=True) if not rest]
-    return Checkup(ordered(found), ranges, spread, moving)
+    return Checkup(ordered(found), evidence.ranges, spread, moving)
 
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:

@@ -32,23 +32,21 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
         columns[:, :count], columns[:, count + j] = table[:count].T, table[-1] + known @ table[:count]
         tables.append(columns)
     plain, free = [r_factor(table) for table in tables], ~np.isfinite(fitted.fixed)
-    alike &= driven_joints(plain)
+    driven = driven_joints(plain)
+    alike &= driven
+    as_logged, solution = fit_torques(fitted, plain)[0], known.copy()
     factors, signs = list(plain), {j: np.sign(tables[j][:, : len(urdf)] @ urdf) for j in np.flatnonzero(alike).tolist()}
     for _ in range(15):  # signs and parameters in turn; half of that settles most logs
         for j, sign in signs.items():
             columns = tables[j].copy()
             columns[:, count + j] *= sign
             factors[j] = r_factor(columns)
-        solutions = [known.copy() for _ in range(2)]
-        for solution, of_joints in zip(solutions, (plain, factors), strict=True):
-            solution[free] = fit_torques(fitted, of_joints)[1]
-        predicted = {j: np.where(tables[j][:, :count] @ solutions[1] < 0.0, -1.0, 1.0) for j in signs}
+        signed, solution[free] = fit_torques(fitted, factors)
+        predicted = {j: np.where(tables[j][:, :count] @ solution < 0.0, -1.0, 1.0) for j in signs}
         if all(np.array_equal(predicted[j], sign) for j, sign in signs.items()):
             break
         signs = predicted
-    both = tuple(zip((plain, factors), solutions, strict=True))
-    left = {j: [float(np.linalg.norm(R[j][:, count + j] - R[j][:, :count] @ x)) for R, x in both] for j in signs}
-    better = {j: as_logged / max(signed, 1e-12) for j, (as_logged, signed) in left.items()}
+    better = dict(zip(np.flatnonzero(driven).tolist(), np.exp(as_logged - signed).tolist(), strict=True))
     turned = {j: float(np.mean(sign < 0.0)) for j, sign in signs.items()}
     if not any(better[j] > FITS_BETTER and 0.02 < share < 0.98 for j, share in turned.items()):
         return

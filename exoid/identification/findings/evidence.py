@@ -26,7 +26,7 @@ class Evidence(NamedTuple):
     tables: list[list[FloatArray]]
     factors: list[FloatArray]  # R factor of the rows of each joint, (M, P + K + 1) with M columns that act
     counts: FloatArray  # usable rows of each joint, at least 1, (n,)
-    ranges: Sequence[MotionRanges] = ()  # ranges of the motion of each
+    ranges: MotionRanges | None = None  # ranges of all motions
     sources: Sequence[str] = ()  # file of each; "" for one in memory
 
     @classmethod

@@ -134,12 +134,10 @@ def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> 
             errors.append(error)
     if not ready:
         raise errors[0]
-    ranges = []
-    for _, prepared in ready:
-        motion, used = prepared.motion, prepared.inside
-        ranges.append(MotionRanges.of(motion.q[used], motion.v[used], motion.a[used]))
+    used = ((one.motion, one.inside) for _, one in ready)
+    ranges = reduce(MotionRanges.joined, (MotionRanges.of(x.q[k], x.v[k], x.a[k]) for x, k in used))
     rigid = fitted.values[: len(fitted.model.leg.parameter_names)]
-    other = AlternativeFriction(rigid, reduce(MotionRanges.joined, ranges).speed) if friction else None
+    other = AlternativeFriction(rigid, ranges.speed) if friction else None
     rows = [_rows(fitted, one, prepared, values, other) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)
