@@ -9,6 +9,7 @@ from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
+    plot_correlation,
     plot_law_torques,
     plot_tracking_errors,
 )
@@ -18,6 +19,7 @@ from exoid.view.experiments import (
     plot_stiffness,
 )
 from exoid.view.fit import plot_friction_fit
+from exoid.view.parameters import STRONG
 from exoid.view.report.page import Picture, paper_figure
 from exoid.view.style import COLUMN, PAGE
 
@@ -62,6 +64,15 @@ def test_axes_have_units_and_the_legend_hides_no_data(name):
     assert "[" in ax.get_xlabel()
     assert "[" in ax.get_ylabel()
     assert inside(figure, ax)
+
+
+def test_the_correlation_is_drawn_of_the_pairs_that_are_hard_to_separate(estimate):
+    _, ax = drawn(lambda ax: plot_correlation(ax, estimate))
+    strong = estimate.correlation[np.triu_indices(len(estimate.names), 1)]
+    strong = sorted(strong[np.abs(strong) >= STRONG], key=abs, reverse=True)
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), strong)
+    first, second = ax.get_yticklabels()[0].get_text().split(" – ")
+    assert estimate.correlation[estimate.names.index(first), estimate.names.index(second)] == strong[0]
 
 
 @pytest.mark.parametrize(
