@@ -5,8 +5,7 @@
 
 One simulated walk of 80 s in a harness whose force is measured, with other noise and another bias of the IMU for each
 seed. Friction and rotors are unknown, and nothing but the walk is known. "down" has one switch for each foot; "heel and
-toe" two, on soles with edges of 5 mm (those of the rig) and of 0.5 mm. Friction of the rig follows velocities of half a
-step before its angles, which no real machine has.
+toe" two, on soles with edges of 5 mm (those of the rig) and of 0.5 mm.
 """
 
 from __future__ import annotations

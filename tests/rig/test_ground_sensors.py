@@ -38,7 +38,7 @@ def test_exact_sensors_read_the_truth(walk):
 
 
 def test_noise_has_the_stated_size(walk):
-    sensors = GroundSensors(imu_window=0.0)
+    sensors = GroundSensors(window=0.0)
     log, exact = walk.recording(sensors, 1), walk.recording(GroundSensors.exact())
     assert (log.q - exact.q).std() == pytest.approx(1e-4, rel=0.05)
     np.testing.assert_allclose((log.tau - exact.tau).std(axis=0), [0.5, 0.4, 0.2] * 2, rtol=0.1)
@@ -52,7 +52,7 @@ def test_noise_has_the_stated_size(walk):
 def test_an_imu_reads_means_of_the_time_of_the_sample(walk):
     """Means over a window are changes of pitch and velocity over it, whatever happens within."""
     window, pitch = 0.004, np.unwrap(np.arctan2(walk.rotation[:, 0, 2], walk.rotation[:, 0, 0]))
-    log = walk.recording(replace(GroundSensors.exact(), imu_window=window)).base
+    log = walk.recording(replace(GroundSensors.exact(), window=window)).base
     turned = (pitch[2:] - pitch[:-2]) / window  # samples are 2 ms apart
     np.testing.assert_allclose(log.angular_velocity[2:-2, 1], turned[1:-1], rtol=0, atol=1e-6)
 
@@ -66,7 +66,7 @@ def test_the_rows_of_a_swing_are_those_of_the_truth_behind_an_imu_that_takes_mea
     exact = leg.regressor(*of_joints, walk.base) @ leg.parameters
 
     def error(window: float) -> float:
-        log = walk.recording(replace(GroundSensors.exact(), imu_window=window)).select(leg.joint_names)
+        log = walk.recording(replace(GroundSensors.exact(), window=window)).select(leg.joint_names)
         q, v, a, _ = preparation.kinematics(log)
         off = leg.regressor(q, v, a, signals.moving_base.base_during(log, preparation)) @ leg.parameters - exact
         kept = preparation.filter(np.where(away[:, np.newaxis], off, 0.0), 500.0)[away]

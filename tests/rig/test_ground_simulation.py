@@ -83,6 +83,15 @@ def test_so_does_a_machine_in_space(in_space):
     assert (in_space.base.angular_velocity.std(axis=0) > 0.005).all()
 
 
+def test_the_logged_acceleration_is_the_second_difference_of_the_angles_and_the_velocity_is_of_their_time():
+    rates = Rates(control=2000.0, log=2000.0, step=5e-4)
+    run = simulate_on_ground(PLANT, motion(squat=0.08, seconds=0.5), GAINS, rates=rates)
+    second = np.diff(run.q, 2, axis=0) * 2000.0**2
+    np.testing.assert_allclose(run.a[1:-1], second, rtol=0, atol=1e-6)
+    between = np.diff(run.q, axis=0) * 2000.0
+    np.testing.assert_allclose(run.v[2:], 1.5 * between[1:] - 0.5 * between[:-1], rtol=0, atol=1e-9)
+
+
 def test_a_plant_is_made_of_its_values():
     assert PLANT.values["c0_right_knee"] == 1.5
     assert PLANT.values["M"] == pytest.approx(49.1)

@@ -27,8 +27,9 @@ class Pose(NamedTuple):
 class Engine:
     """Machine on flat ground; the laboratory has z up and the ground at z = 0."""
 
-    # A step k begins with positions q_k and velocities v_k. `begin` computes what depends on them, then forces are
-    # applied, and `finish` computes the acceleration a_k and the contact forces, and advances the state.
+    # The step is a leapfrog: v_{k+½} = v_{k−½} + dt a_k, q_{k+1} = q_k + dt v_{k+½}. `begin` computes what depends on
+    # q_k and on v_k = v_{k−½} + ½ dt a_{k−1}, then forces are applied, and `finish` computes the acceleration a_k and
+    # the contact forces, and advances the state. Friction and Coriolis forces of v_{k−½} would be half a step late.
     # plant: The machine.
     # base: Number of velocities of the base, 3 or 6.
     # model: MuJoCo's model.
@@ -39,6 +40,7 @@ class Engine:
     # angular in its own axes.
     # acceleration: Accelerations of the last step in the coordinates of `rate`, (base + n,), a view.
     # spheres: Place of the points of each sole among all of them.
+    # between: Velocities of half a step before those of `rate` while `begin` has been called, and `finish` not yet.
     # applied: Forces that are applied in this step, in these coordinates, a view.
 
     def __init__(self, plant: GroundPlant, step: float) -> None:
@@ -49,6 +51,7 @@ class Engine:
         n = len(plant.leg.joint_names)
         self.q, self.v = self.data.qpos[-n:], self.data.qvel[-n:]
         self.rate, self.acceleration, self.applied = self.data.qvel, self.data.qacc, self.data.qfrc_applied
+        self.between = self.rate.copy()
         frames = [link_frame(plant.leg.model, plant.leg.description, link) for link in (plant.root_link, *plant.soles)]
         self._bodies = np.array([frame.body + 2 for frame in frames])  # body 0 is the laboratory, body 1 the root link
         self._offsets = np.array([frame.placement.translation for frame in frames])
@@ -74,10 +77,13 @@ class Engine:
 
     def begin(self) -> None:
         """Compute what depends on positions and velocities."""
+        self.between[:] = self.rate
+        self.rate += 0.5 * self.model.opt.timestep * self.acceleration
         self._mujoco.mj_step1(self.model, self.data)
 
     def finish(self) -> None:
         """Compute accelerations and contact forces, and advance the state."""
+        self.rate[:] = self.between
         self._mujoco.mj_step2(self.model, self.data)
 
     @property

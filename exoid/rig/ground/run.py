@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from exoid.signals import Recording, Wrench
 
 from .motion import per_joint
 from .plant import GroundPlant
-from .sensors import BaseSteps, GroundSensors, read_imu, read_pose, read_switch
+from .sensors import GroundSensors, Steps, read_imu, read_pose, read_switch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,7 +67,7 @@ class GroundRun:
         rotation: Axes of the root link as columns, (N, 3, 3).
         wrenches: Wrench on each foot, and on the root link where a spring holds it, in the axes of the link.
         feet: Load and place of each foot.
-        steps: Motion of the root link at every step of the simulation.
+        steps: What sensors read at every step of the simulation.
         interaction: Torques of the wearer on the joints [N·m], (N, n); zero without one.
     """
 
@@ -82,7 +82,7 @@ class GroundRun:
     rotation: FloatArray
     wrenches: Mapping[str, Wrench]
     feet: Mapping[str, Footing]
-    steps: BaseSteps
+    steps: Steps
     interaction: FloatArray
 
     def fixed(self, link: str) -> BoolArray:
@@ -128,18 +128,24 @@ class GroundRun:
                 known = ", ".join(self.wrenches)
                 raise BadArgumentError(f"no wrench on {link!r} in the run", remedy=f"wrenches act on {known}")
         torque_noise = per_joint(sensors.torque_noise, self.tau.shape[1], "torque_noise")
-        q, tau = noisy(self.q, sensors.angle_noise, rng), noisy(self.tau, torque_noise, rng)
+        q = noisy(self.q, sensors.angle_noise, rng)
+        tau = noisy(self.steps.read(self.steps.torque, sensors.window), torque_noise, rng)
         world = sensors.wrench_axes == "world"
         pose = read_pose(sensors, self.position, self.rotation, rng) if world else None
         rate = 1.0 / float(self.time[1] - self.time[0])
-        base = self.steps.averaged(sensors.imu_window) if sensors.imu_window else self.base
         contacts = {link: read_switch(sensors, foot.force[:, 2], rate, rng) for link, foot in self.feet.items()}
         for link in self.wrenches:
             if link not in logged and link not in contacts:
                 contacts[link] = np.ones(len(self.time), dtype=np.bool_)
+        base = self.steps.base_motion(sensors.window) if sensors.window else self.base
         imu, measured = read_imu(sensors, base, rng, pose), {}
+        read, root = dict(self.wrenches), self.plant.root_link
+        if root in read:
+            force, moment = np.hsplit(self.steps.read(self.steps.hold, sensors.window), 2)
+            read[root] = Wrench(force, moment, read[root].point)
+        behind = replace(self, wrenches=read)
         for link in logged:
-            true = self.wrench(link, world=world)
+            true = behind.wrench(link, world=world)
             force, moment = noisy(true.force, sensors.force_noise, rng), noisy(true.moment, sensors.moment_noise, rng)
             measured[link] = Wrench(force, moment, true.point, true.axes)
         return Recording(

@@ -21,29 +21,34 @@ Axes = Literal["link", "world"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BaseSteps:
-    """Motion of the root link at every step, and which steps are samples of the log."""
+class Steps:
+    """What sensors of limited bandwidth read at every step, and which steps are samples of the log."""
 
-    # motion at M steps. Its velocity is that of half a step before, as v⁺ = v + dt a and q⁺ = q + dt v⁺
-    motion: BaseKinematics
+    base: BaseKinematics  # motion of the root link at M steps; its velocity is that of half a step before
+    torque: FloatArray  # torques of the actuators [N·m], (M, n)
+    hold: FloatArray  # force and moment of what holds the torso, in its axes [N, N·m], (M, 6)
     samples: NDArray[np.intp]  # step of each sample of the log, (N,)
     dt: float  # step [s]
 
-    def averaged(self, window: float) -> BaseKinematics:
-        """Compute means over a window about each sample, as a sensor of limited bandwidth reads them."""
-        # With h = n dt the window, acceleration and specific force are means over its n + 1 steps, of which
-        # the first and the last count half. The angular velocity is the mean over the n that lie between
-        # them, so that it is of the same time as the angles. The ends of the run are continued by their
-        # values.
-        half = max(1, round(0.5 * window / self.dt))
-        between = np.append(0.0, np.ones(2 * half))  # v of step k is of half a step before it
-        around = np.convolve(np.ones(2 * half), (0.5, 0.5))
-        velocity = self._mean(self.motion.angular_velocity, between)
-        turning, force = (self._mean(x, around) for x in (self.motion.angular_acceleration, self.motion.specific_force))
-        return BaseKinematics(velocity, turning, force)
+    def base_motion(self, window: float) -> BaseKinematics:
+        """Means of the motion of the root link over a window."""
+        base, between = self.base, np.append(0.0, np.ones(2 * self._half(window)))
+        turning, force = (self.read(x, window) for x in (base.angular_acceleration, base.specific_force))
+        return BaseKinematics(self._mean(base.angular_velocity, between), turning, force)
+
+    def read(self, values: FloatArray, window: float) -> FloatArray:
+        """Means (N, k) over a window about each sample; values of single steps for a window of zero."""
+        if not window:
+            return values[self.samples]
+        # the first and the last step of the window count half
+        return self._mean(values, np.convolve(np.ones(2 * self._half(window)), (0.5, 0.5)))
+
+    def _half(self, window: float) -> int:
+        """Number of steps in half a window."""
+        return max(1, round(0.5 * window / self.dt))
 
     def _mean(self, x: FloatArray, weights: FloatArray) -> FloatArray:
-        """Weighted mean about each sample, (N, 3)."""
+        """Weighted mean about each sample, (N, k); the ends of the run are continued by their values."""
         means = scipy.ndimage.correlate1d(x, weights / weights.sum(), axis=0, mode="nearest")
         return np.asarray(means[self.samples])
 
@@ -61,8 +66,8 @@ class GroundSensors:
         acceleration_noise: Noise of the accelerometer [m/s²].
         gyro_bias: Standard deviation of the constant bias of each axis of the gyroscope [rad/s], drawn for each log.
         acceleration_bias: The same of the accelerometer [m/s²].
-        imu_window: Time over which the IMU takes means [s], as its low-pass does; 2 ms is a bandwidth of 220 Hz. Zero
-            reads velocity and acceleration of one step of the simulation.
+        window: Time over which IMU, torque sensors and the load cell of what holds the torso take means [s], as their
+            low-pass does; 2 ms is a bandwidth of 220 Hz. Zero reads one step of the simulation.
         imu_position: Place of the IMU in the axes of the root link [m], (3,), which the log states.
         imu_misalignment: Rotation vector of a mounting of the IMU that the log does not state [rad], (3,).
         position_noise: Noise of each coordinate of motion capture [m].
@@ -84,7 +89,7 @@ class GroundSensors:
     acceleration_noise: float = 0.05
     gyro_bias: float = 0.0
     acceleration_bias: float = 0.0
-    imu_window: float = 2e-3
+    window: float = 2e-3
     imu_position: tuple[float, float, float] = (0.05, 0.0, 0.25)
     imu_misalignment: tuple[float, float, float] = (0.0, 0.0, 0.0)
     position_noise: float = 2e-4
@@ -113,7 +118,7 @@ class GroundSensors:
 
     @classmethod
     def exact(cls, *, wrench_axes: Axes = "link") -> GroundSensors:
-        """Make sensors without noise, whose IMU reads single steps.
+        """Make sensors without noise that read single steps.
 
         Args:
             wrench_axes: Axes of the wrenches.
@@ -123,7 +128,7 @@ class GroundSensors:
         """
         noises = ("angle", "torque", "force", "moment", "gyro", "acceleration", "position", "turn")
         zeros: dict[str, Any] = {f"{name}_noise": 0.0 for name in noises}
-        return cls(imu_window=0.0, wrench_axes=wrench_axes, **zeros)
+        return cls(window=0.0, wrench_axes=wrench_axes, **zeros)
 
 
 def read_imu(

@@ -18,7 +18,7 @@ from .engine import Engine, Holder
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
 from .run import Footing, GroundRun
-from .sensors import BaseSteps, GroundSensors
+from .sensors import GroundSensors, Steps
 
 RATES = Rates(control=2000.0, log=500.0, step=5e-4)
 """Default rates: the controller acts at every step, so that torque and motion of a sample are of one time."""
@@ -38,9 +38,9 @@ def simulate_on_ground(
 ) -> GroundRun:
     """Let a machine follow a motion on the ground, or on what stands there.
 
-    MuJoCo computes bodies and contact. Each step is semi-implicit: v⁺ = v + dt a, q⁺ = q + dt v⁺. The acceleration a of
-    a sample obeys the equation of motion with the q, v, torque and wrenches of that sample, and is the second
-    difference of q. The controller reads exact angles. The same input gives the same bytes.
+    MuJoCo computes bodies and contact, by a leapfrog. The acceleration a of a sample obeys the equation of motion with
+    the q, v, torque and wrenches of that sample, and is the second difference of q. The controller reads exact angles.
+    The same input gives the same bytes.
 
     Args:
         plant: The machine.
@@ -121,20 +121,21 @@ class _Books:
         """Finish a step: note the state that it begins with, then its acceleration and forces."""
         engine, b = self._engine, self._engine.base
         rate, turn, q = engine.rate.copy(), engine.torso.rotation.copy(), engine.q.copy()
+        between = engine.between[:b].copy()
+        hold = np.zeros(6) if self._holder is None else (self._holder.wrench @ turn).ravel()
         engine.finish()
         if logs:
             self._logged.append(len(self._steps))
-            wrench = np.zeros((2, 3)) if self._holder is None else self._holder.wrench
-            moved = q, rate[b:], engine.acceleration[b:].copy(), torque, muscles
-            self._samples.append((*moved, wrench, *engine.placements(), *engine.loads()))
-        self._steps.append((rate[:b], engine.acceleration[:b].copy(), turn))
+            moved = q, rate, engine.acceleration.copy(), muscles
+            self._samples.append((*moved, *engine.placements(), *engine.loads()))
+        self._steps.append((between, engine.acceleration[:b].copy(), turn, torque, hold))
 
     def run(self, dt: float) -> GroundRun:
         """Return samples, and motion of the root link at every step."""
-        engine, plant = self._engine, self._engine.plant
-        rate, change, turn = (np.array(x) for x in zip(*self._steps, strict=True))
-        kept, motion = np.array(self._logged), _base_kinematics(plant, rate, change, turn)
-        q, v, a, torque, muscles, wrench, position, rotation, twist, force, place = (
+        engine, plant, b = self._engine, self._engine.plant, self._engine.base
+        between, change, turn, torque, hold = (np.array(x) for x in zip(*self._steps, strict=True))
+        kept = np.array(self._logged)
+        q, rate, acceleration, muscles, position, rotation, twist, force, place = (
             np.array(x) for x in zip(*self._samples, strict=True)
         )
         feet = {
@@ -143,22 +144,21 @@ class _Books:
         }
         wrenches = {link: foot.wrench for link, foot in feet.items()}
         if self._holder is not None:
-            pulled, moment = (np.einsum("nij,ni->nj", turn[kept], wrench[:, part]) for part in (0, 1))
-            wrenches[plant.root_link] = Wrench(pulled, moment, np.array(self._holder.spring.point))
-        at_samples = (x[kept] for x in (motion.angular_velocity, motion.angular_acceleration, motion.specific_force))
+            point = np.array(self._holder.spring.point)
+            wrenches[plant.root_link] = Wrench(hold[kept, :3], hold[kept, 3:], point)
         return GroundRun(
             plant,
             kept * dt,
             q,
-            v,
-            a,
-            torque,
-            BaseKinematics(*at_samples),
+            rate[:, b:],
+            acceleration[:, b:],
+            torque[kept],
+            _base_kinematics(plant, rate[:, :b], change[kept], turn[kept]),
             position[:, 0],
             rotation[:, 0],
             wrenches,
             feet,
-            BaseSteps(motion, kept, dt),
+            Steps(_base_kinematics(plant, between, change, turn), torque, hold, kept, dt),
             muscles,
         )
 
