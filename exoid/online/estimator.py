@@ -96,7 +96,7 @@ class RecursiveEstimator:
     @property
     def state(self) -> State:
         """State after the last complete block; without a filter, after the last sample."""
-        return self._settled()
+        return self._advanced() if self._pending and self.settings.cutoff is None else self._state
 
     def update(
         self,
@@ -153,7 +153,7 @@ class RecursiveEstimator:
         Raises:
             ExoidError: The samples so far do not determine every parameter: names them.
         """
-        state = self._settled()
+        state = self.state
         found = estimate_of(self.settings, state, ())
         return replace(found, findings=ordered([*self.findings, *doubts_of(found, state)]))
 
@@ -188,10 +188,6 @@ class RecursiveEstimator:
             if not given:
                 samples[:, k * n : (k + 1) * n] = math.nan
         return advance(self.settings, self._state, samples)
-
-    def _settled(self) -> State:
-        """State with all samples that can be used."""
-        return self._advanced() if self._pending and self.settings.cutoff is None else self._state
 
 
 def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> TorqueModel:

@@ -11,6 +11,7 @@ import pytest
 from ground_machines import inverse_dynamics_residual, residual, spatial_plant
 
 from exoid.experiments.ground import bleex_machine
+from exoid.rig import Rates
 from exoid.rig.ground import Block, GroundMotion, GroundPlant, JointGains, Sole, Spring, simulate_on_ground
 from exoid.rig.ground.engine import Engine
 
