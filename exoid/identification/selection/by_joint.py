@@ -21,7 +21,7 @@ from .patterns import ALWAYS, PLAIN, Columns, JointFriction, absent, terms_of, z
 from .per_joint import Choice, Found, Search, same_at_all_joints, search_joint_by_joint
 
 ALIKE = 1.03  # ratio of errors up to which models predict alike, by seeds below 100 of the proving ground
-SYMMETRIC = 0.01  # |Y| over |X| of the URDF up to which it says that a segment is symmetric
+SYMMETRIC = 1e-4  # |Y| over |X| of the URDF up to which it says that a segment is symmetric: that of rounding
 
 
 @dataclass(frozen=True, eq=False)
