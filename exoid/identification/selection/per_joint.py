@@ -112,8 +112,8 @@ class Found(NamedTuple):
 
 def search_joint_by_joint(search: Search) -> Found:
     """Sweep over the joints until predictions settle, at most four times after two in which all have an offset."""
-    # What an offset is worth shows when the load of friction is right: without these sweeps, seed 0 of the proving ground
-    # ends in three times the error.
+    # What an offset is worth shows when the load of friction is right: without these sweeps, seed 0 of the proving
+    # ground ends in three times the error.
     plain = (PLAIN,) * len(search.leg.joint_names)
     start = search.design(plain, None)
     choice = Choice.of(start, plain, Choice.of(start, plain, np.ones(len(plain))).sigma)
