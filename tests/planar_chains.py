@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from exoid import Leg
 from exoid.leg.description import Description, describe
+from exoid.leg.model import configuration
 
 Array = NDArray[np.float64]
 
@@ -214,6 +215,15 @@ def random_motion(
     scale = np.array([2.0 * np.pi * turns, 5.0, 20.0])[:, None, None]
     q, v, a = rng.uniform(-1.0, 1.0, (3, samples, n)) * scale
     return q, v, a
+
+
+def joint_torque_regressor(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
+    """Pinocchio's regressor Y with Y π = RNEA(q, v, a)."""
+    data = model.createData()
+    out = np.empty((*v.shape, 10 * (model.njoints - 1)))
+    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
+        out[i] = pin.computeJointTorqueRegressor(model, data, *row)
+    return out
 
 
 def assert_relative(actual: Array, expected: Array, tolerance: float) -> None:

@@ -62,15 +62,6 @@ def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: F
     return TorqueSlopes(slopes[0], slopes[1], upper + np.triu(upper, 1).transpose(0, 2, 1))
 
 
-def joint_torque_regressor(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-    """Compute Pinocchio's regressor Y with Y π = RNEA(q, v, a)."""
-    data = model.createData()
-    out = np.empty((*v.shape, 10 * (model.njoints - 1)))
-    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
-        out[i] = pin.computeJointTorqueRegressor(model, data, *row)
-    return out
-
-
 def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
     """Compute the mass matrix M(q) by the composite rigid-body algorithm."""
     data = model.createData()

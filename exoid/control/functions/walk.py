@@ -10,8 +10,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
-from exoid.experiments.gait import healthy_gait
-from exoid.experiments.ground.walking import TILT_DEG
+from exoid.experiments.ground.walking import healthy_flexion
 from exoid.tools.numbers import checked
 
 from .body import SIDES, Body
@@ -26,14 +25,8 @@ DOWN = 0.004
 
 def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArray:
     """Tabulate hip, knee and ankle over a stride from heel contact, flexion at :data:`PHASE` [rad], (K, 3)."""
-    whole = PHASE[:-1]
-    if reference != "healthy":
-        flexion = _csv_stride(Path(reference), scale)
-    else:
-        hip, knee = healthy_gait(scale, 1.0).over(whole).q.T
-        knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
-        tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG)(whole)
-        flexion = np.column_stack([hip, knee, np.deg2rad(scale * tilt) - hip + knee])
+    published = reference == "healthy"
+    flexion = healthy_flexion(PHASE[:-1], scale) if published else _csv_stride(Path(reference), scale)
     return np.vstack([flexion, flexion[:1]])
 
 

@@ -67,7 +67,9 @@ def walking(
             followed.
     """
     time, legs = knots(duration), planar_legs(plant)
-    q = _walking_angles(plant.leg, legs, time, _stride(period), period)
+    phase = np.linspace(0.0, 1.0, 400, endpoint=False)
+    flexion = fit_harmonics(period * phase, healthy_flexion(phase, SCALE), period, 8)
+    q = _walking_angles(plant.leg, legs, time, flexion, period)
     base = np.zeros((len(time), 3))
     places = {leg.foot: leg.points(base, q) for leg in legs}
     window = 0.03 * period * KNOTS  # smooths speed and height of the torso
@@ -112,14 +114,12 @@ def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window
     return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)
 
 
-def _stride(period: float) -> Harmonics:
-    """Make the flexion of hip, knee and ankle of healthy gait."""
-    published, phase = healthy_gait(SCALE, period), np.linspace(0.0, 1.0, 400, endpoint=False)
-    hip, knee = np.array([published.at(p * period).q[:, 0] for p in phase]).T
+def healthy_flexion(phase: FloatArray, scale: float) -> FloatArray:
+    """Flexion of hip, knee and ankle of healthy gait at phases of the stride from heel contact [rad], (K, 3)."""
+    hip, knee = healthy_gait(scale, 1.0).over(phase).q.T
     knee = knee + np.deg2rad(5.0)  # the knee of the published stride is straight at heel contact
     tilt = scipy.interpolate.PchipInterpolator(*TILT_DEG)(phase)
-    ankle = np.deg2rad(SCALE * tilt) - hip + knee
-    return fit_harmonics(period * phase, np.column_stack([hip, knee, ankle]), period, 8)
+    return np.column_stack([hip, knee, np.deg2rad(scale * tilt) - hip + knee])
 
 
 def _walking_angles(

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.leg.closure import Closure, TreeMotion
-from exoid.leg.dynamics import joint_torque_regressor
 from exoid.tools.numbers import ROUNDED
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
@@ -110,8 +109,6 @@ def _random_regressor(model: pin.Model, closure: Closure | None, *, seed: int, m
     if closure is not None:
         poses, _ = closure.solve(closure.reachable(q))
         moved = closure.rates(poses, v, 3.0 * a)
-    if not moving_base and not floating and closure is None:
-        return joint_torque_regressor(model, q, v, 3.0 * a).reshape(samples * model.nv, -1)
     velocity, acceleration = np.zeros((samples, 6)), rng.uniform(-9, 9, (samples, 6))
     velocity[:, 3:] = rng.uniform(-3, 3, (samples, 3))
     tree = Tree.from_model(model)

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from planar_chains import assert_relative, random_chain, random_motion
+from planar_chains import assert_relative, joint_torque_regressor, random_chain, random_motion
 
 import exoid
 from exoid import Leg
-from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction.numeric import numeric
 
 CUMULATIVE = pytest.mark.parametrize("cumulative", [True, False])

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from lxml import etree
-from planar_chains import assert_relative, random_motion
+from planar_chains import assert_relative, joint_torque_regressor, random_motion
 from public_robots import urdf_of
 from small_urdfs import OFFSET_BODY as BODY
 from small_urdfs import nearly_coaxial
@@ -12,7 +12,6 @@ from small_urdfs import nearly_coaxial
 import exoid
 from exoid import Armature, Leg
 from exoid.leg.description import Description, describe, read_description
-from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction.numeric import numeric
 from exoid.leg.reduction.reduction import LINK_PARAMETERS, LINK_UNITS
 from exoid.torques import TorqueModel

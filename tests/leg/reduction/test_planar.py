@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from planar_chains import assert_relative, random_chain, random_motion
+from planar_chains import assert_relative, joint_torque_regressor, random_chain, random_motion
 from small_urdfs import OFFSET_BODY as BODY
 
 import exoid
 from exoid import Leg, TorsoMotion
-from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction import planar
 from exoid.leg.reduction.planar_machine import PlanarMachine
 

@@ -5,9 +5,8 @@ import tracemalloc
 import numpy as np
 import pinocchio as pin
 import pytest
-from planar_chains import assert_relative, random_motion
+from planar_chains import assert_relative, joint_torque_regressor, random_motion
 
-from exoid.leg.dynamics import joint_torque_regressor
 from exoid.leg.reduction import tree_regressor as batched
 from exoid.leg.reduction.tree import Tree
 from exoid.leg.reduction.tree_regressor import BaseSamples, fill_tree_regressor
