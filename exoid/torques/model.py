@@ -22,14 +22,7 @@ from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
 from .regrouping import Regrouped, regroup
-from .term import (
-    Term,
-    TermBlock,
-    fill_terms,
-    internal_states,
-    load_motion,
-    term_blocks,
-)
+from .term import Term, TermBlock, fill_terms, internal_states, load_motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,7 +97,12 @@ class TorqueModel:
     @cached_property
     def blocks(self) -> tuple[TermBlock, ...]:
         """Terms joint by joint, in the order of the columns."""
-        return term_blocks(self.leg, self.terms)
+        names, labels = self.leg.joint_names, self.leg.joint_labels
+        return tuple(
+            TermBlock(term, joints, tuple(f"{symbol}_{label}" for symbol in term.symbols))
+            for term in self.terms
+            for label, joints in term.places(names, labels).items()
+        )
 
     @property
     def every_name(self) -> tuple[str, ...]:

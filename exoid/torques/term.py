@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.leg.leg import Leg
 
 from .motion import JointMotion, LoadedMotion, Motion
 from .presliding import Presliding
@@ -173,16 +172,6 @@ class TermBlock(NamedTuple):
         out = np.zeros((len(self.names), len(self.joints), motion.q.shape[1]))
         self.term.fill_block(motion, self.joints, out)
         return out
-
-
-def term_blocks(leg: Leg, terms: Iterable[Term]) -> tuple[TermBlock, ...]:
-    """Put terms at the joints of a leg, in the order of their columns."""
-    names, labels = leg.joint_names, leg.joint_labels
-    return tuple(
-        TermBlock(term, joints, tuple(f"{symbol}_{label}" for symbol in term.symbols))
-        for term in terms
-        for label, joints in term.places(names, labels).items()
-    )
 
 
 def internal_states(
