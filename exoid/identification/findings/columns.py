@@ -92,6 +92,11 @@ class _Point:
         """Torque of payloads less that of measured wrenches [N·m], (n, N)."""
         return np.zeros_like(self.torque) if self.motion.payload is None else self.motion.payload.T
 
+    @cached_property
+    def earlier(self) -> FloatArray:
+        """Change of the torques by a delay of 1 s, −dτ/dt, (n, N)."""
+        return _earlier(self, self.torque)
+
     def residual(self, j: int) -> FloatArray:
         """Measured torque of a joint less the predicted one [N·m], (N,)."""
         assert self.motion.measured is not None
@@ -137,14 +142,9 @@ class _Point:
         return np.asarray(np.tensordot(self.of.values[:count], out, axes=1))
 
 
-def _delay(at: _Point, joints: int | slice, _: int) -> FloatArray:
-    """Change by a delay of 1 s: −dτ/dt."""
-    return _earlier(at, at.torque[joints])
-
-
 def _earlier(at: _Point, x: FloatArray) -> FloatArray:
     """Change of a torque by a delay of 1 s, by polynomials through five samples."""
-    if not at.of.moving or x.shape[-1] < 5:
+    if not at.of.moving or x.shape[-1] < 5 or not x.any():
         return np.zeros_like(x)
     return np.asarray(-at.of.rate * scipy.signal.savgol_filter(x, 5, 4, deriv=1))
 
@@ -244,9 +244,9 @@ def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
 
 
 COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
-    "delay": _delay,
-    "delays": lambda at, _, other: _delay(at, slice(None), other),
-    "drift": lambda at, *_: _delay(at, slice(None), -1),  # times the time since the log began, see the rows of a check
+    "delay": lambda at, j, _: at.earlier[j],
+    "delays": lambda at, *_: at.earlier,
+    "drift": lambda at, *_: at.earlier,  # times the time since the log began, see the rows of a check
     "gain": lambda at, j, _: at.torque[j],
     "cross-talk": lambda at, _, other: at.torque[other],
     "zero": lambda at, j, _: at.slopes[0, j],
