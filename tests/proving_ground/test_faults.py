@@ -174,12 +174,16 @@ def test_mistakes_are_named(request, seed, mistake):
         (0, "clock 1.15 times too fast"): "7 of 11 machines",
         (0, "a spring"): "8 of 12 machines",
         (0, "an elastic joint"): "26 of 44 machines",
+        (0, "scale of a torque grows by 0.1 half way"): "23 of 32 machines",
         (5, "one torque 25 ms late"): "14 of 20 machines",
         (5, "torque sensor reads 1.3 times"): "9 of 12 machines",
         (5, "sign of one angle"): "11 of 12 machines",
         (5, "zero of an angle 10° off"): "7 of 12 machines",
         (5, "angle reads 1.1 times"): "10 of 12 machines",
         (5, "a spring"): "8 of 12 machines",
+        (5, "zero set again by 2° between two logs"): "23 of 32 machines",
+        (5, "scale of a torque grows by 0.1 half way"): "23 of 32 machines",
+        (5, "angle off by 10 mrad, four times a turn"): "19 of 32 machines",
         (5, "an elastic joint"): "26 of 44 machines",
     }
     if (seed, mistake) in missed:
