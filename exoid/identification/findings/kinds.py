@@ -206,8 +206,8 @@ class Library(NamedTuple):
     always: tuple[int, ...]
 
 
-def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
-    """List the faults that are tested."""
+def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, sensed: bool) -> Library:
+    """List the faults that are tested; of known torques, of payloads or sensors, where there are any."""
     names, planar = model.joint_names, model.leg.chain is not None
     n = len(names)
     few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
@@ -250,8 +250,8 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes]) -> Library:
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))
     if n > 1:
         faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
-    faults.append(Nuisance("known-torque", "", -1, "1", add("known", 0)))
-    faults.append(Nuisance("wrench-delay", "", -1, "s", add("known delay", 0)))
+    of_known = (("known-torque", "1", "known"), ("wrench-delay", "s", "known delay"))
+    faults += [Nuisance(kind, "", -1, unit, add(column, 0)) for kind, unit, column in of_known[: known + sensed]]
     faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
     if not planar:
         tilt = (*add("gravity", 0), *add("gravity", 1))

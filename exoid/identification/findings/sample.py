@@ -25,7 +25,7 @@ from exoid.torques.with_columns import WithColumns
 from .arms import ArmShapes
 from .columns import NuisanceColumns
 from .evidence import Evidence
-from .kinds import library
+from .kinds import Library, library
 
 
 class FittedLeg(NamedTuple):
@@ -39,6 +39,13 @@ class FittedLeg(NamedTuple):
     covariance: FloatArray  # their covariance, (P, P)
     # moment arms of linear actuators whose force was measured, by the index of their joint
     arms: Mapping[int, ArmShapes] = MappingProxyType({})
+
+    @property
+    def library(self) -> Library:
+        """Faults that are tested, and their columns."""
+        recordings = [one for one in self.data if isinstance(one, Recording)]
+        sensed = any(one.wrenches for one in recordings)
+        return library(self.model, self.arms, known=sensed or any(one.payloads for one in self.data), sensed=sensed)
 
     def sampled(self) -> FittedLeg:
         """Take samples for a check, with the joints of the leg; a log much faster than its filter is averaged."""
@@ -163,11 +170,8 @@ def _rows(
     if one.payloads:  # a fault of the log changes the torque of payloads too
         values = values.copy()
         values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
-    columns = library(model, fitted.arms).columns
-    drift, late = (
-        len(model.names) + next(k for k, column in enumerate(columns) if column.kind == kind)
-        for kind in ("drift", "known delay")
-    )
+    columns = fitted.library.columns
+    places = {column.kind: len(model.names) + k for k, column in enumerate(columns)}
     nuisances = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
     every = WithColumns(model, (nuisances,) if other is None else (nuisances, other))
     assert isinstance(prepared.motion, Motion)
@@ -175,6 +179,9 @@ def _rows(
     motion = prepared.motion._replace(measured=np.nan_to_num(one.tau))
     prepared = prepared._replace(motion=motion if other is None else other.motion(motion))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
-    rows.W[..., drift] *= (rows.time - fitted.clock_start(one))[:, None]
-    rows.W[..., late] *= bool(one.wrenches) if isinstance(one, Recording) else False  # a payload has no sensor
+    rows.W[..., places["drift"]] *= (rows.time - fitted.clock_start(one))[:, None]
+    if "known delay" in places and not (
+        isinstance(one, Recording) and one.wrenches
+    ):  # a payload has no sensor that could be late
+        rows.W[..., places["known delay"]] = 0.0
     return rows

@@ -18,7 +18,7 @@ from exoid.torques import TorqueModel
 
 from .changes import BLOCKS, Change, described, find_change, with_change
 from .evidence import Evidence
-from .kinds import KINDS, Nuisance, library
+from .kinds import KINDS, Nuisance
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, WORTH_A_LOOK, Score, State, in_half_widths, p_value_of
 
@@ -55,7 +55,7 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
     """Look for faults that explain the residuals of a fit to sampled data, the most convincing first."""
     # Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
     # for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
-    columns, candidates, always = library(fitted.model, fitted.arms)
+    columns, candidates, always = fitted.library
     limit = 0.005 / len(candidates)  # some fault would be found in 0.5 % of the logs without any
     try:
         evidence = gather(fitted, fitted.values) if evidence is None else evidence
