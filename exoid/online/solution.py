@@ -97,14 +97,18 @@ def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
 def repeats(correlation: Correlation, rows: FloatArray) -> FloatArray:
     """Factor by which errors that repeat in each stride widen the variance of each joint's rows, (n,)."""
     # A share r of the variance that repeats every k rows does not average out: N rows hold N/k times the same errors.
-    # r is the largest ρ beyond the first that is negative. Below 0.2 it may be chance among as many lags.
+    # r is the mean ρ of one, two, … strides, of the stride beyond the first negative ρ for which it is most sure. Of m
+    # strides, less than 0.2/√m may be chance among as many lags (tuned on 0.5 s a stride, scripts/study_loads.py).
     sums, counts = correlation.sums, np.maximum(correlation.counts, 1.0)
     rho = np.divide(sums / counts, sums[0] / counts[0], out=np.zeros_like(sums), where=sums[0] > 0.0)
     later = np.cumsum(rho < 0.0, axis=0) > 0
     rho = np.where(later & (counts >= 200.0), rho, 0.0)
-    lag = np.maximum(rho.argmax(axis=0), 1)
-    share = np.where(rho.max(axis=0) > 0.2, np.minimum(rho.max(axis=0), 1.0), 0.0)
-    return np.asarray(1.0 + share * np.maximum(rows[: len(share)] / lag - 1.0, 0.0))
+    lags = np.arange(1, len(rho))
+    means = np.array([rho[lag::lag].mean(axis=0) for lag in lags])
+    sure = means * np.sqrt(LAGS // lags)[:, None]
+    best, joints = sure.argmax(axis=0), np.arange(rho.shape[1])
+    share = np.where(sure[best, joints] > 0.2, np.minimum(means[best, joints], 1.0), 0.0)
+    return np.asarray(1.0 + share * np.maximum(rows[: len(share)] / lags[best] - 1.0, 0.0))
 
 
 def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...]) -> Estimate:
