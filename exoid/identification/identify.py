@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypedDict, Unpack, overload
+from typing import TYPE_CHECKING, TypedDict, overload
 
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError
@@ -28,6 +28,9 @@ from .load_friction import fit_under_load
 from .on_ground import fit_on_ground
 from .problem import Fitted, Problem
 from .result import Result
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class FitOptions(TypedDict, total=False):

@@ -1,6 +1,7 @@
 """exoid runs on Linux and macOS: what only one system has is called in one place, behind a look at the system."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -65,3 +66,9 @@ def test_logs_are_read_and_legs_identified_as_on_macos(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.stdout.split() == ["20"], done.stderr
+
+
+def test_typing_of_the_oldest_python_has_what_is_imported_from_it():
+    newer = "Unpack|Self|Required|NotRequired|Never|LiteralString|override|assert_never|assert_type"
+    pattern = re.compile(rf"^from typing import (\([^)]*|.*)\b({newer})\b", re.MULTILINE)
+    assert not [path.name for path in PACKAGE.rglob("*.py") if pattern.search(path.read_text(encoding="utf-8"))]

@@ -25,6 +25,10 @@ Logs of legs that are not worn reach 1.1 (real ones) and 1.3 (friction of anothe
 training, ``scripts/study_interaction.py --unworn``)."""
 
 
+LIKE = 0.9
+"""Share of a torque that bodies or a sensor have to explain to be named."""
+
+
 class Evidence(NamedTuple):
     """What the residuals of one recording say of each joint, (n,) each."""
 
@@ -108,7 +112,7 @@ def body_like(
         return
     change = scaled_inverse(A) @ b
     part, heavier = min(float(b @ change / whole), 1.0), -float(change @ A @ values / weight)
-    if part < 0.9:
+    if part < LIKE:
         return
     share = f"{part:.0%} of the torque is that of bodies on the leg"
     if heavier < -1.0:
@@ -127,7 +131,7 @@ def body_like(
 
 
 def sensor_like(estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction]) -> Iterator[Finding]:
-    """Find an interaction that a sensor explains, which reads g τ̂(t) or τ̂(t − δ) beside its zero."""
+    """Find an interaction τ̂ − τ that a sensor explains, which reads τ = g τ̂(t) or τ̂(t − δ) beside its zero."""
     # half way between both torques, τ̂(t) − τ̂(t − δ) ≈ δ τ̂'(t − δ/2) holds to the second order
     slope = np.gradient(found.predicted - 0.5 * found.torque, found.time, axis=0)
     for k, action in enumerate(actions):
@@ -138,7 +142,7 @@ def sensor_like(estimate: EstimateData, found: Evaluation, actions: Sequence[Joi
             row = rows[:, k] - rows[:, k].mean()
             product, power = float(row @ felt), float(row @ row)
             share = product**2 / (power * float(felt @ felt)) if power > 0.0 else 0.0
-            if share > 0.9:
+            if share > LIKE:
                 ratio = product / power
                 wrong = f"reads {1.0 - ratio:.3g} times the torque" if of_scale else f"is {1e3 * ratio:.3g} ms late"
                 message = f"{share:.0%} of the torque is as of a sensor that {wrong}"

@@ -30,7 +30,7 @@ class Search:
     recordings: Sequence[Recording]  # the recordings
     cutoff: float  # cut-off frequency of the parallel filter [Hz]
     folds: int  # number of folds in time
-    progress: Callable[[float], object] = float  # called with the share done
+    progress: Callable[[float], object] = lambda _: None  # called with the share done
     beside: tuple[Term, ...] = ()  # terms that every model has besides rigid bodies, armatures and friction
     late: Mapping[int, float] = field(default_factory=dict)  # delay of the torque of each joint [s], by its index
     known: Mapping[str, float] = field(default_factory=dict)  # values of parameters that every model holds
