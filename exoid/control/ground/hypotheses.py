@@ -227,7 +227,7 @@ class ContactFilter:
         Raises:
             ExoidError: A reading is not finite.
         """
-        if not all(np.isfinite(x).all() for x in readings[:4]):
+        if not all(np.isfinite(x).all() for x in readings[:5] if x is not None):
             raise BadArgumentError("a reading is not finite", remedy="hold the last torque, and damp")
         every = max(1, round(BLOCK * self.rate))
         ends = np.arange(every - 1 - memory.left, len(readings.q), every)
@@ -391,7 +391,10 @@ class ContactFilter:
         x = np.swapaxes(G, 1, 2) @ white
         y = np.linalg.solve(inner, x)
         distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
-        return y, distance, self._student(distance, np.linalg.slogdet(inner)[1], white.shape[1])
+        # Student's t of the distance, as jolts are no evidence
+        nu, logdet = self.noise.freedom, np.linalg.slogdet(inner)[1]
+        score = -0.5 * (nu + white.shape[1]) * np.log1p(np.maximum(distance, 0.0) / nu) - 0.5 * logdet
+        return y, distance, np.asarray(score)
 
     def _speed(self, columns: FloatArray, rates: FloatArray) -> FloatArray:
         """Velocity of the middle of a sole in base axes beside that of the base [m/s], (K, 2)."""
@@ -404,10 +407,6 @@ class ContactFilter:
         along = np.abs(force[:, 0] * up[:, 1] - force[:, 1] * up[:, 0])
         beyond = along / self.noise.cone - normal + least
         return np.asarray(np.clip(beyond / (2.0 * self.noise.force) - 1.0, 0.0, 20.0))
-
-    def _student(self, distance: FloatArray, logdet: FloatArray, rows: int) -> FloatArray:
-        nu = self.noise.freedom
-        return np.asarray(-0.5 * (nu + rows) * np.log1p(np.maximum(distance, 0.0) / nu) - 0.5 * logdet)
 
     @cached_property
     def _weight(self) -> float:

@@ -142,14 +142,13 @@ class StanceLaw:
             Torque, accelerations and forces.
 
         Raises:
-            ExoidError: Nothing touches the ground, or a number is missing.
+            ExoidError: Nothing touches the ground or has a share, or a number is missing.
         """
-        _refuse(self.model, state)
+        _refuse(self.model, state, target)
         shares = {link: float(state.shares.get(link, 1.0)) for link in state.contacts}
         full = self._command(state, target, shares)
-        fading = {
-            link: s / (FADING * max(shares.values())) for link, s in shares.items() if s < FADING * max(shares.values())
-        }
+        least = FADING * max(shares.values())
+        fading = {link: s / least for link, s in shares.items() if s < least}
         if not fading:
             return full
         # a contact fades in and out: its constraint alone would let the torque jump where it begins and ends
@@ -164,11 +163,9 @@ class StanceLaw:
         dynamics, rows, shares = self._setting(state, given)
         n, joints = self.model.n, slice(BASE, None)
         J, drift = np.concatenate([each.J for each in rows]), np.concatenate([each.drift for each in rows])
-        M, h, count = dynamics.M, dynamics.h, len(J)
-        known = np.zeros(BASE + n)  # forces on the base and torques on the joints that no actuator gives
-        known[:BASE] = 0.0 if state.push is None else state.push
-        known[joints] = 0.0 if state.interaction is None else state.interaction
-        bias = h - known
+        M, bias, count = dynamics.M, dynamics.h.copy(), len(J)
+        bias[:BASE] -= 0.0 if state.push is None else state.push  # what no actuator gives
+        bias[joints] -= 0.0 if state.interaction is None else state.interaction
         # equality rows of x = (dν, f / weight): contacts that hold, and the base, which has no actuator
         weight = self.weight
         E = np.block([[J, np.zeros((count, count))], [M[:BASE], -weight * J[:, :BASE].T]])
@@ -196,10 +193,8 @@ class StanceLaw:
         y, feasible = minimise(self._daqp, A @ N, b - A @ x, groups)
         x = x + N @ y
         torque = np.clip(T @ x + bias[joints] + added, -limit, limit)
-        forces, start = {}, BASE + n
-        for link, each in zip(given, rows, strict=True):
-            forces[link] = weight * x[start : start + len(each.J)]
-            start += len(each.J)
+        parts = np.split(weight * x[BASE + n :], np.cumsum([len(each.J) for each in rows[:-1]]))
+        forces = dict(zip(given, parts, strict=True))
         return StanceCommand(torque, x[: BASE + n], MappingProxyType(forces), feasible)
 
     def band(self, state: GroundState, target: GroundTarget) -> FloatArray:
@@ -215,7 +210,7 @@ class StanceLaw:
             Standard deviation [N·m], (n,); zero of an exact model.
 
         Raises:
-            ExoidError: Nothing touches the ground, or a number is missing.
+            ExoidError: Nothing touches the ground or has a share, or a number is missing.
         """
         if self.estimate is None:
             return np.zeros(self.model.n)
@@ -426,21 +421,26 @@ def _per_task(gain: ArrayLike, name: str, n: int) -> FloatArray:
     return np.broadcast_to(values, n + 1)
 
 
-def _refuse(model: GroundModel, state: GroundState) -> None:
-    """Refuse a state that no law on the ground can support."""
-    if not state.contacts:
+def _refuse(model: GroundModel, state: GroundState, target: GroundTarget) -> None:
+    """Refuse a state that no law on the ground can support, and numbers that are missing."""
+    if not any(state.shares.get(link, 1.0) for link in state.contacts):
         raise BadArgumentError(
-            "no support in the air: nothing touches the ground",
+            "no support in the air: nothing touches the ground, or has a share of the load",
             where=model.leg.description.name,
             remedy="brake the joints until a foot touches, or hold the torso and use exoid.control.impedance",
         )
-    unknown = [link for link in state.contacts if link not in model.soles]
+    unknown = [link for link in (*state.contacts, *state.shares) if link not in model.soles]
     kinds = [kind for kind in state.contacts.values() if kind not in ("flat", "heel", "toe")]
     if unknown or kinds:
         raise BadArgumentError(
-            f"contacts {dict(state.contacts)}", remedy=f"name {', '.join(model.soles)} with flat, heel or toe"
+            f"contacts {dict(state.contacts)} with shares {dict(state.shares)}",
+            remedy=f"name {', '.join(model.soles)} with flat, heel or toe",
         )
-    numbers = np.concatenate([state.q, state.v, [state.pitch, state.pitch_rate]])
-    if state.q.shape != (model.n,) or state.v.shape != (model.n,) or not np.isfinite(numbers).all():
-        raise BadArgumentError(f"the state is {numbers}", remedy=f"give {model.n} finite angles and rates")
+    own = [x for x in (state.q, state.v, state.interaction, target.q, target.v, target.a) if x is not None]
+    push = np.zeros(BASE) if state.push is None else state.push
+    shapes = np.shape(push) == (BASE,) and all(np.shape(x) == (model.n,) for x in own)
+    if not shapes or not np.isfinite([*np.concatenate([push, *own]), *state[2:4], state.lean, *target[3:]]).all():
+        raise BadArgumentError(
+            f"{state} with {target}", remedy=f"give finite numbers: {model.n} for the joints, {BASE} for a push"
+        )
     checked([float(s) for s in state.shares.values()] or 0.0, "shares of the load", least=0.0)

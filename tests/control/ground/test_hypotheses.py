@@ -149,5 +149,6 @@ def test_what_cannot_be_told_is_refused(name):
 def test_a_reading_that_is_not_finite_is_refused(told):
     contacts, _, log = told["walk"]
     readings = study.readings_of(contacts, log)
-    with pytest.raises(ExoidError, match="finite"):
-        contacts.advance(contacts.begin(), readings._replace(tau=np.full_like(readings.tau, np.nan)))
+    for name in ("tau", "known"):
+        with pytest.raises(ExoidError, match="finite"):
+            contacts.advance(contacts.begin(), readings._replace(**{name: np.full_like(readings.tau, np.nan)}))

@@ -247,17 +247,15 @@ def test_what_the_law_refuses(machine):
     with pytest.raises(NotSupportedError, match="floats"):
         stance(exoid.load_exo("bleex"))
     law, state = stance(machine), state_of(0)
-    target = target_of(state)
-    for wrong in (
-        state._replace(contacts={}),
-        state._replace(contacts={"torso": "flat"}),
-        state._replace(contacts={"left_foot": "ball"}),
-        state._replace(pitch=np.nan),
-        state._replace(q=state.q[:3]),
-        state._replace(shares={"left_foot": -1.0}),
-    ):
+    target, missing = target_of(state), np.full(6, np.nan)
+    wrong = [{"contacts": contacts} for contacts in ({}, {"torso": "flat"}, {"left_foot": "ball"})]
+    wrong += [{"shares": shares} for shares in ({"left_foot": -1.0}, dict.fromkeys(BOTH, 0.0), {"left": 1.0})]
+    wrong += [{"pitch": np.nan}, {"q": state.q[:3]}, {"interaction": missing}, {"push": missing[:3]}, {"lean": np.nan}]
+    cases = [(state._replace(**each), target) for each in wrong]
+    cases += [(state, target._replace(**{name: missing})) for name in "qva"] + [(state, target._replace(q=state.q[:1]))]
+    for case in cases:
         with pytest.raises(BadArgumentError):
-            law.command(wrong, target)
+            law.command(*case)
     with pytest.raises(BadArgumentError):
         stance(machine, kp=(1.0, 2.0))
     with pytest.raises(BadArgumentError, match="soles"):
