@@ -1,8 +1,0 @@
-// Stub, see README.md.
-#pragma once
-namespace rclcpp_lifecycle
-{
-class State
-{
-};
-}  // namespace rclcpp_lifecycle
