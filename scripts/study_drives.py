@@ -24,6 +24,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from smooth_stepper import CoupledMotors, SmoothStepper
 
 import exoid
 from exoid._typing import FloatArray
@@ -32,14 +33,12 @@ from exoid.actuators.drive_data import actuators_from_data, actuators_to_data
 from exoid.experiments import Harmonics
 from exoid.leg.description import describe
 from exoid.rig import (
-    CoupledMotors,
     IdealTorque,
     Plant,
     ProportionalDerivative,
     Rates,
     Run,
     Sensors,
-    SmoothStepper,
     simulate,
 )
 from exoid.tools.tables import make_table, to_text

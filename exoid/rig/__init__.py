@@ -2,22 +2,19 @@
 
 from exoid.leg.payload import Payload
 
-from .actuators import Actuator, DcMotor, HydraulicServo, IdealTorque, StepTorque
+from .actuators import Actuator, HydraulicServo, IdealTorque, StepTorque
 from .bodies import limb_of, plant_with_payloads
 from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors
 from .simulate import Rates, simulate
-from .smooth_stepper import CoupledMotors, SmoothStepper
 from .stepper import Stepper
 from .wearer import Wearer
 
 __all__ = [
     "Actuator",
     "Controller",
-    "CoupledMotors",
-    "DcMotor",
     "Energy",
     "HydraulicServo",
     "IdealTorque",
@@ -29,7 +26,6 @@ __all__ = [
     "Reference",
     "Run",
     "Sensors",
-    "SmoothStepper",
     "StepTorque",
     "Stepper",
     "Target",

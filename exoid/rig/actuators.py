@@ -93,43 +93,6 @@ class IdealTorque(Actuator):
 
 
 @dataclass(frozen=True)
-class DcMotor(Actuator):
-    """Motor with a gear, commanded by current [A]: τ = ratio · kt · i, from which document 2 computes its torque.
-
-    The rotor belongs to the plant: add :attr:`armature` to ``Ia`` of the joint.
-
-    Attributes:
-        torque_constant: Torque constant kt [N·m/A], positive.
-        ratio: Gear ratio, positive.
-        rotor_inertia: Inertia of the rotor about its own axis [kg·m²].
-        current_limit: Largest current [A].
-
-    Raises:
-        ExoidError: A constant is not positive or not finite; the rotor inertia may be zero, the current limit infinite.
-    """
-
-    torque_constant: float
-    ratio: float
-    rotor_inertia: float = 0.0
-    current_limit: float = np.inf
-
-    def __post_init__(self) -> None:
-        """Check the constants."""
-        for name in ("torque_constant", "ratio", "current_limit"):
-            checked(getattr(self, name), name, above=0.0, infinite=name == "current_limit")
-        checked(self.rotor_inertia, "rotor_inertia", least=0.0)
-
-    @property
-    def armature(self) -> float:
-        """Rotor inertia reflected to the joint, ratio² · rotor_inertia [kg·m²]."""
-        return self.ratio**2 * self.rotor_inertia
-
-    def torque(self, state: FloatArray, command: FloatArray) -> FloatArray:
-        """Compute the torque of the limited current."""
-        return self.ratio * self.torque_constant * np.clip(command, -self.current_limit, self.current_limit)
-
-
-@dataclass(frozen=True)
 class HydraulicServo(Actuator):
     """Linearised valve and cylinder with the torque A as state: Ȧ = kh (Kv u − cl A − v).
 

@@ -90,7 +90,7 @@ def simulate(
         sensors: Sensors; None for exact readings.
         rates: Rates of controller and log, and step of the plant.
         seed: Seed or generator of the sensor noise.
-        stepper: Integrator: :class:`Stepper`, or :class:`SmoothStepper`.
+        stepper: Integrator, :class:`Stepper` or one derived from it.
         wearer: Wearer of every rig, whose limb starts with the motion of the leg; None for nobody.
         progress: Function that receives the completed share of the run, 0 to 1.
 

@@ -6,7 +6,7 @@ from rigs import BLEEX, EVERYTHING, Swing
 
 import exoid
 from exoid.experiments import Hold
-from exoid.rig import DcMotor, HydraulicServo, IdealTorque, Plant, Proportional, Rates, Stepper, Target, simulate
+from exoid.rig import HydraulicServo, IdealTorque, Plant, Proportional, Rates, Stepper, Target, simulate
 
 KH, CL, KV = 5000.0, 0.01, 10.0
 """Oil stiffness, leakage and valve gain; with Kp = 1 a bandwidth of 10 1/s and a static stiffness of 1000 N·m/rad."""
@@ -22,22 +22,11 @@ def test_ideal_torque_is_the_command_up_to_its_limit():
     np.testing.assert_array_equal(drive.damping, 0.0)
 
 
-def test_a_motor_turns_limited_current_into_torque():
-    motor = DcMotor(torque_constant=0.07, ratio=50.0, rotor_inertia=3.2e-4, current_limit=2.0)
-    drive = motor.drive(STATE, np.full((3, 2), -1.5), 1e-3)
-    np.testing.assert_allclose(drive.torque, -1.5 * 3.5)
-    np.testing.assert_allclose(motor.drive(STATE, np.full((3, 2), 9.0), 1e-3).torque, 7.0)
-    assert motor.armature == pytest.approx(0.8)
-
-
 def test_the_rotor_of_a_motor_slows_the_joint_down():
-    motor = DcMotor(0.07, 50.0, 3.2e-4)
-    rigs = [
-        Stepper(Plant.build(ANKLE, values), *np.zeros((2, 1, 1)), 1e-4) for values in ({}, {"Ia_ankle": motor.armature})
-    ]
+    rigs = [Stepper(Plant.build(ANKLE, values), *np.zeros((2, 1, 1)), 1e-4) for values in ({}, {"Ia_ankle": 0.8})]
     gravity = ANKLE.gravity(np.zeros((1, 1)))
     for rig in rigs:
-        rig.step(gravity + motor.drive(np.zeros((1, 1)), np.ones((1, 1)), 1e-4).torque, np.zeros((1, 1)))
+        rig.step(gravity + 3.5, np.zeros((1, 1)))
     J = ANKLE.parameters[2]
     assert rigs[0].v[0, 0] / rigs[1].v[0, 0] == pytest.approx((J + 0.8) / J, rel=1e-9)
 
@@ -102,16 +91,12 @@ def test_proportional_control_with_the_printed_sign_runs_away():
     assert distances[1] > np.deg2rad(20.0)  # at the end stops
 
 
-@pytest.mark.parametrize(
-    "actuator", ["motor", *(pytest.param(each, marks=pytest.mark.nightly) for each in ("ideal", "servo"))]
-)
+@pytest.mark.parametrize("actuator", ["ideal", pytest.param("servo", marks=pytest.mark.nightly)])
 def test_energy_balances(actuator):
     """Work in = gain of mechanical energy + dissipated, to 1e-4 of the turnover."""
     plant = Plant.build(BLEEX, EVERYTHING)
-    amperes = 1.0 / 3.5
     law, drive = {
         "ideal": (Proportional(150.0), IdealTorque()),
-        "motor": (Proportional(150.0 * amperes), DcMotor(0.07, 50.0, 3.2e-4, 15.0)),
         "servo": (Proportional(1.0), HydraulicServo(KH, CL, KV)),
     }[actuator]
     run = simulate(plant, Swing(), law, drive, 20.0, rates=Rates(step=2e-3))

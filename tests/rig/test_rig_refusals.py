@@ -9,14 +9,11 @@ from rigs import BLEEX, POSE, Swing
 
 import exoid
 from exoid import Leg
-from exoid.actuators import Coupling
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
 from exoid.experiments import Hold, healthy_gait
 from exoid.experiments.ground import bleex_machine
 from exoid.leg.description import describe
 from exoid.rig import (
-    CoupledMotors,
-    DcMotor,
     HydraulicServo,
     IdealTorque,
     Payload,
@@ -37,7 +34,7 @@ from exoid.rig.ground.plant import BLEEX_SOLES
 CUHK, GAIT = exoid.load_leg("cuhk"), healthy_gait(1.0, 1.2)
 FREE, STIFF, TWO = Plant.build(CUHK, end_stops=False), Plant.build(BLEEX, end_stops=False), Plant.build(BLEEX).repeat(2)
 MACHINE, LEGS = bleex_machine(), bleex_machine().leg
-PD, DIRECT = ProportionalDerivative((200.0, 80.0), (20.0, 8.0)), Coupling(("hip", "knee"), ((1.0, 0.0), (0.0, 1.0)))
+PD = ProportionalDerivative((200.0, 80.0), (20.0, 8.0))
 HARD = Spring((0.0, 0.0, 0.3), (1e9, 0.0, 1e9), (0.0, 0.0, 0.0))
 
 
@@ -81,7 +78,6 @@ def arm():
 REFUSED = {
     BadArgumentError: [
         *(("limit", lambda limit=x: IdealTorque(limit)) for x in (0.0, np.nan)),
-        ("torque_constant", lambda: DcMotor(-0.07, 50.0)),
         ("stiffness", lambda: HydraulicServo(0.0)),
         (
             "leakage",
@@ -90,7 +86,6 @@ REFUSED = {
             ),
         ),
         ("diverged", lambda: run(law=Proportional(-1e6), actuator=IdealTorque(), rates=Rates(np.inf, 100.0, 2e-3))),
-        ("coulomb", lambda: CoupledMotors(DIRECT, coulomb=-1.0)),
         ("2 rigs", lambda: Stepper(Plant.build(spatial_leg()).repeat(2), np.zeros((3, 2)), np.zeros((3, 2)), 1e-3)),
         ("encoder", lambda: Sensors(encoder_counts=0.0)),
         ("angle_noise", lambda: Sensors(angle_noise=-1e-3)),

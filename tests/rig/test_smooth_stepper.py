@@ -1,6 +1,8 @@
 """Smooth friction, loops without sampling against an independent integration, and coupled motors."""
 
+import sys
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -10,7 +12,10 @@ from scipy.integrate import solve_ivp
 
 import exoid
 from exoid.actuators import Coupling
-from exoid.rig import CoupledMotors, IdealTorque, Plant, ProportionalDerivative, Rates, SmoothStepper, simulate
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, simulate
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from smooth_stepper import CoupledMotors, SmoothStepper
 
 SMOOTHING = 0.05
 PD = ProportionalDerivative(np.array([400.0, 200.0, 40.0]), np.array([40.0, 20.0, 3.0]))

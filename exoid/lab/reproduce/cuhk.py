@@ -17,7 +17,7 @@ from exoid.identification import identify
 from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
 from exoid.leg.published import cuhk_parameters, cuhk_resistances
-from exoid.rig import DcMotor, Plant, Proportional, ProportionalDerivative, Rates
+from exoid.rig import IdealTorque, Plant, Proportional, ProportionalDerivative, Rates
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.tools.json_values import named
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -26,19 +26,16 @@ from .sequential import cuhk as steps
 from .sequential.estimate import SequentialEstimate
 from .torque_error import predicted_torque, torque_nrmse, torque_rmse, validation_rows
 
-MOTOR = DcMotor(torque_constant=0.0705, ratio=50.0, rotor_inertia=3.2e-4, current_limit=15.0)
-"""Assumed flat motor of 90 W with gear ratio 50, 0.8 kg·m² at the joint; the document names neither."""
+MOTOR, ROTOR = IdealTorque(limit=52.875), 0.8
+"""Assumed flat motor of 90 W with gear ratio 50 at up to 15 A, and its rotor at the joint [kg·m²]; none is printed."""
 
 RATES = Rates(control=500.0, log=cuhk.LOG_RATE, step=1e-3)
 """Rates of controller and log, and step of the plant."""
 
-AMPERES = 1.0 / (MOTOR.torque_constant * MOTOR.ratio)
-"""Current for one newton metre at the joint [A/(N·m)]."""
-
 SERVOS = {"document": (150.0, 0.0), "smooth": (150.0, 15.0), "tight": (2000.0, 200.0)}
 """Gains Kp and Kd of the servos [N·m/rad, N·m·s/rad]."""
 
-DOCUMENT = Bench(Proportional(SERVOS["document"][0] * AMPERES), MOTOR, SENSORS, RATES)
+DOCUMENT = Bench(Proportional(SERVOS["document"][0]), MOTOR, SENSORS, RATES)
 """Bench of document 2: P control with the corrected sign and an assumed gain."""
 
 SETTLE, DURATION = 2.0, 62.0
@@ -91,7 +88,7 @@ class CuhkReplay:
 
 def truth_values() -> dict[str, float]:
     """Return the true parameters by name: anthropometric bodies, friction of Table III made dissipative, rotors."""
-    rotor = {f"Ia_{joint}": MOTOR.armature for joint in ("hip", "knee")}
+    rotor = {f"Ia_{joint}": ROTOR for joint in ("hip", "knee")}
     return {**cuhk_parameters(), **cuhk_resistances(), **rotor}
 
 
@@ -213,7 +210,7 @@ def _record(
 ) -> dict[str, list[Recording]]:
     """Run every motion under its servo in one simulation; return the logs of all rigs by motion."""
     count, servos = plant.count, np.array([SERVOS[servo] for servo, _ in motions.values()])
-    stiffness, damping = np.repeat(servos.T * AMPERES, count, axis=1)
+    stiffness, damping = np.repeat(servos.T, count, axis=1)
     bench = Bench(ProportionalDerivative(stiffness[None], damping[None]), MOTOR, SENSORS, RATES)
     run = run_motion(
         Plant.concatenate([plant] * len(motions)),

@@ -19,7 +19,7 @@ from exoid.leg.catalog import load_leg
 from exoid.leg.published import cuhk_parameters, cuhk_resistances
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, simulate
 
-from .cuhk import DURATION, MOTOR, PREPARATION, RATES, SERVOS, SETTLE, TERMS
+from .cuhk import DURATION, PREPARATION, RATES, ROTOR, SERVOS, SETTLE, TERMS
 
 GAINS = {"kp": (22.0, 55.0), "kd": (2.2, 5.5)}
 """Gains of hip and knee [N·m/rad, N·m·s/rad], which document 2 does not print.
@@ -49,7 +49,7 @@ class TrackingReplay:
 
 def reproduce_cuhk_tracking(
     seed: int = 0,
-    rotor: float = MOTOR.armature,
+    rotor: float = ROTOR,
     *,
     progress: Callable[[float], None] | None = None,
 ) -> TrackingReplay:
@@ -84,7 +84,7 @@ def reproduce_cuhk_tracking(
     return TrackingReplay(estimate, runs, float(rotor), seed)
 
 
-def tracking_plant(rotor: float = MOTOR.armature) -> Plant:
+def tracking_plant(rotor: float = ROTOR) -> Plant:
     """Build the CUHK-EXO with the payload of a wearer, friction and rotors."""
     if not 0.0 <= rotor < np.inf:
         raise BadArgumentError(f"rotors of {rotor:g} kg·m²", remedy="give their inertia at the joint, zero or positive")

@@ -16,11 +16,10 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Coupling
 from exoid.leg.joint_numbers import for_joints
+from exoid.rig import Plant, Stepper
+from exoid.rig.stepper import Equations, Step
+from exoid.rig.stick_slip import eliminate
 from exoid.tools.numbers import checked
-
-from .plant import Plant
-from .stepper import Equations, Step, Stepper
-from .stick_slip import eliminate
 
 
 @dataclass(frozen=True)
