@@ -80,7 +80,7 @@ def toe_clearance(
     curve = scipy.interpolate.CubicSpline(time, q)
     v, a = curve(time, 1), curve(time, 2)
     Y = estimate.model.regressor(q, v, a)  # (N, n, P)
-    model, unit = ControlModel.of_parameters(estimate.model, estimate.values), np.eye(n)
+    model = ControlModel.of_parameters(estimate.model, estimate.values)
     drive = np.linalg.solve(model.leg.mass_matrix(q) + model.rotors(q), Y)
     E = np.empty_like(drive)
     for j, (stiff, damp) in enumerate(zip(*gains, strict=True)):
@@ -88,9 +88,8 @@ def toe_clearance(
         E[:, j] = scipy.signal.lfilter(b, den, drive[:, j], axis=0)
     rng = np.random.default_rng(seed)
     errors = rng.multivariate_normal(np.zeros(len(estimate.values)), estimate.covariance, DRAWS)  # (D, P)
-    slope = np.stack(
-        [(height(q + 1e-6 * row) - height(q - 1e-6 * row)) / 2e-6 for row in unit], axis=1
-    )  # ∂c/∂q by central differences, (N, n)
+    # ∂c/∂q by central differences, (N, n)
+    slope = np.stack([(height(q + 1e-6 * row) - height(q - 1e-6 * row)) / 2e-6 for row in np.eye(n)], axis=1)
     planned = height(q)
     drawn = planned - errors @ np.einsum("nj,njp->np", slope, E).T
     start = np.broadcast_to(checked(start_std, "start_std", least=0.0), n) * rng.standard_normal((DRAWS, n))

@@ -360,7 +360,10 @@ class ContactFilter:
         up = np.column_stack([base.specific_force @ leg.plane.forward, base.specific_force @ leg.plane.up])
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1.0)
         rates = np.column_stack([np.zeros((K, 2)), -gyro @ leg.plane.lateral, v])
-        speeds = {link: self._speed(each, rates) for link, each in columns.items()}
+        speeds = {}  # velocity of the middle of each sole in base axes beside that of the base [m/s], (K, 2)
+        for link, each in columns.items():
+            J = each[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn sole axes into base axes
+            speeds[link] = np.einsum("kij,krj,kr->ki", J[:, :2], J, rates)
         likelihood, wrenches = np.empty((K, len(self.sets) + 1)), np.zeros((K, len(self.sets) + 1, len(self.soles), 3))
         least = np.full(K, np.inf)  # distance of the best set
         seat = self.model.leg.description.root_link
@@ -395,11 +398,6 @@ class ContactFilter:
         nu, logdet = self.noise.freedom, np.linalg.slogdet(inner)[1]
         score = -0.5 * (nu + white.shape[1]) * np.log1p(np.maximum(distance, 0.0) / nu) - 0.5 * logdet
         return y, distance, np.asarray(score)
-
-    def _speed(self, columns: FloatArray, rates: FloatArray) -> FloatArray:
-        """Velocity of the middle of a sole in base axes beside that of the base [m/s], (K, 2)."""
-        J = columns[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn sole axes into base axes
-        return np.asarray(np.einsum("kij,krj,kr->ki", J[:, :2], J, rates))
 
     def _impossible(self, force: FloatArray, up: FloatArray, least: float) -> FloatArray:
         """Penalty of a force in base axes, (K, 2), below the least, or far outside the friction cone; up is (K, 2)."""

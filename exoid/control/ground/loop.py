@@ -130,15 +130,16 @@ class GroundLoop(LawLoop):
         """
         planned = {} if self.shares is None else self.shares(reading.time)
         dt, self._last = reading.time - self._last, reading.time
-        ramps = {}
+        if unknown := planned.keys() - self.law.model.soles.keys():
+            raise BadArgumentError(f"shares of {unknown}", remedy=f"name {', '.join(self.law.model.soles)}")
+        shares = {}
         self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
         for link, closed in self._closed.items():
             touching = reading.time - closed < BOUNCE
             course = self._course.get(link, 0.0) + (dt / LOADING if touching else -dt / BOUNCE)
             self._course[link] = course = min(max(course, 0.0), 1.0) if planned.get(link, 1.0) > 0.0 else 0.0
             if course > 0.0:
-                ramps[link] = float(minimum_jerk(course))
-        shares = {link: planned.get(link, 1.0) * ramp for link, ramp in ramps.items()}
+                shares[link] = planned.get(link, 1.0) * float(minimum_jerk(course))
         torque = self.supported(reading, shares, self.target(reading.time))
         return -BRAKE * reading.v if torque is None else torque
 
@@ -165,7 +166,7 @@ class CoordinatedLoop(LawLoop):
         state: State at the last sample.
 
     Raises:
-        ExoidError: The rates are not the same, or there is no such function.
+        ExoidError: The rates are not the same, there is no such function, or the filter's IMU is elsewhere.
     """
 
     contacts: ContactFilter
@@ -181,6 +182,9 @@ class CoordinatedLoop(LawLoop):
             raise BadArgumentError(
                 f"a filter at {self.contacts.rate:g} Hz for a coordinator at {rate:g} Hz", remedy="give both one rate"
             )
+        unknown, place = {*self.requests.values()} - {*self.coordinator.functions}, self.contacts.imu_position
+        if unknown or place.any():
+            raise BadArgumentError(f"requests of {unknown}, an IMU at {place} m", remedy="request functions, IMU at 0")
         self._links = {contact_name(leg, link): link for link in self.contacts.soles}
         self._memory = self.coordinator.begin(self.start, 1.0)
         self._told = self.contacts.begin(self._links[name] for name in self._memory.known)

@@ -75,9 +75,11 @@ def test_a_wrong_model_of_the_contacts_ends_in_damping_and_the_safe_stop(machine
     assert (np.abs(run.tau) <= machine.leg.limits.effort + 1e-9).all()
 
 
-def test_filter_and_coordinator_have_one_rate(machine):
+def test_filter_and_coordinator_have_one_rate_and_requests_are_of_functions(machine):
     with pytest.raises(ExoidError, match="Hz"):
         loop_of(machine, {}, rate=250.0)
+    with pytest.raises(ExoidError, match="jump"):
+        loop_of(machine, {0.3: "jump"})
 
 
 def test_a_foot_that_is_planned_on_the_ground_and_not_felt_is_lowered_until_it_bears(machine):
@@ -116,12 +118,12 @@ def test_it_climbs_a_stair_without_hands(monkeypatch):
     steps = importlib.import_module("steps_on_ground")
     size, plant = steps.STAIRS_UP, ground.bleex_machine()
     plant = replace(plant, blocks=(Block(0.5 * size.length, 3.0, size.climb),))
-    loop = loop_of(plant, {0.1: "first step"})
     names = ("first step", "last step", "stand")
     functions = {name: each for name, each in steps.stepping(plant, size).items() if name in names}
     table = [Rule("stand", "request", names[0]), Rule(names[0], "end", names[1]), Rule(names[1], "end", "stand")]
     table.append(Rule(SAFE, "known", "stand"))
-    loop = replace(loop, coordinator=Coordinator(functions, plant.leg.limits.effort, table, rate=500.0))
+    loop, coordinator = loop_of(plant, {}), Coordinator(functions, plant.leg.limits.effort, table, rate=500.0)
+    loop = replace(loop, coordinator=coordinator, requests={0.1: names[0]})
     stand, time = functions["stand"], np.arange(-0.3, 7.0, 0.01)
     q = np.tile(joint_angles(plant.leg, stand.flexion[:1]), (len(time), 1))
     motion = GroundMotion(time, q, np.zeros_like(q), np.tile(stand.torso[0], (len(time), 1)))

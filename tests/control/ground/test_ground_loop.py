@@ -80,16 +80,16 @@ def test_the_force_of_a_hand_is_read_and_logged(truth, reference):
 @pytest.mark.slow
 def test_faults_of_readings(truth, reference):
     """Joint and pitch freeze, switches are late, and one is stuck: torques stay within the limits."""
-    for faults in (
-        Faults(switch_delay=0.08, frozen={"left_knee": 0.3}),
-        Faults(stuck={"left_foot": False}, frozen={"pitch": 0.3}),
-    ):
+    late = Faults(switch_delay=0.08, frozen={"left_knee": 0.3})
+    for faults in (late, Faults(stuck={"left_foot": False}, frozen={"pitch": 0.3})):
         _, run = run_of(truth, reference, faults=faults)
         assert (np.abs(run.tau) <= truth.leg.limits.effort + 1e-9).all()
     with pytest.raises(ExoidError, match="left_elbow"):
         run_of(truth, reference, faults=Faults(frozen={"left_elbow": 0.0}))
     with pytest.raises(ExoidError, match="delay"):
         Faults(switch_delay=-0.1)
+    with pytest.raises(ExoidError, match="shares of"):
+        simulate_on_ground(truth, reference, GroundLoop(stance(truth), reference, lambda _: {"left": 1.0}), rates=RATES)
 
 
 @pytest.mark.slow
