@@ -1,5 +1,7 @@
 """Functions are data: feet stay where they bear, stairs are cleared, limits are kept, and a stride comes from a CSV."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -110,6 +112,8 @@ REFUSED = {
     "no file": lambda body, path: functions.walk(body, reference="missing.csv"),
     "no knee": lambda body, path: functions.walk(body, reference=path),
     "no leg": lambda body, path: Body(0.4, -0.4),
+    "not finite": lambda body, path: replace(functions.stand(body), flexion=np.full((len(PHASE), 2, 3), np.nan)),
+    "no order": lambda body, path: replace(functions.stand(body), contacts=((0.5, frozenset(SIDES)),)),
     "one leg": lambda body, path: joint_angles(load_leg("bleex"), np.zeros((1, 2, 3))),
 }
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exoid._typing import ArrayLike, ComplexArray, FloatArray
+from exoid.errors import BadArgumentError
 from exoid.tools.numbers import checked
 
 from .body import SIDES, Body
@@ -32,7 +33,7 @@ class Function:
         room: Distance from the first or last posture within which it may begin or end [rad], an assumption.
 
     Raises:
-        ExoidError: The duration is not positive, or above a minute.
+        ExoidError: The duration is not positive or above a minute, a table is not over PHASE, or contacts not in order.
     """
 
     name: str
@@ -44,8 +45,15 @@ class Function:
     room: float = 0.5
 
     def __post_init__(self) -> None:
-        """Check the duration."""
+        """Check the duration, the tables and the contacts."""
         checked(self.duration, f"the duration of {self.name} [s]", above=0.0, most=60.0)
+        starts, rows = [start for start, _ in self.contacts], len(PHASE)
+        shapes = self.flexion.shape == (rows, 2, 3) and self.torso.shape == (rows, 3)
+        if not shapes or not np.isfinite(self.flexion).all() or starts != sorted({0.0, *starts}):
+            raise BadArgumentError(
+                f"{self.name}: flexion {self.flexion.shape}, torso {self.torso.shape}, contacts from {starts}",
+                remedy=f"give finite angles at {rows} phases, and contacts in order from phase 0",
+            )
 
     def near(self, phase: float, flexion: FloatArray) -> bool:
         """Tell whether a posture is near that at a phase; with the contacts the condition of entry at 0, of exit at 1.

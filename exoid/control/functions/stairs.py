@@ -46,21 +46,16 @@ def stairs(body: Body, *, up: bool = True, riser: float = 0.17, tread: float = 0
     for side, u in own.items():
         s = np.clip((u - lift_off) / (1.0 - lift_off), 0.0, 1.0)
         # a foot turns about its toe, whose place is that of a level sole
-        feet[side] = (
-            begin[side] + _swing(s, 2.0 * step) + 0.5 * (body.toe - body.heel) * (1.0 - np.exp(1j * tilt[side]))
-        )
+        turned = 0.5 * (body.toe - body.heel) * (1.0 - np.exp(1j * tilt[side]))
+        feet[side] = begin[side] + _swing(s, 2.0 * step) + turned
     ahead, height = (0.3, 0.90) if up else (0.2, 0.94)
     # the hip rises or sinks while one foot bears it: at touch-down the leg behind, or that ahead, is long
     sunk = (2.0 * PHASE) // 1.0 + minimum_jerk((2.0 * PHASE) % 1.0)
     level = riser * sunk if up else -riser * (sunk + 1.0)
     hip = tread * (2.0 * PHASE + ahead) + 1j * (height * body.leg + level)
     double = lift_off - 0.5
-    order = (
-        (0.0, frozenset(SIDES)),
-        (double, frozenset(("left",))),
-        (0.5, frozenset(SIDES)),
-        (0.5 + double, frozenset(("right",))),
-    )
+    sets = frozenset(SIDES), frozenset(("left",)), frozenset(SIDES), frozenset(("right",))
+    order = tuple(zip((0.0, double, 0.5, 0.5 + double), sets, strict=True))
     name = "stairs up" if up else "stairs down"
     return placed(name, body, period, hip, np.zeros(len(PHASE)), order, feet=feet, tilt=tilt, cyclic=True)
 

@@ -104,9 +104,8 @@ def walk(
         found = body.reach(hip, 0.0, raised, tilt if body.ankle else np.zeros(len(PHASE)))
         found[:, 2] *= bool(body.ankle)
         flexion.append(found)
-    down = np.array(
-        [body.sole(hip, 0.0, each).imag.min(axis=1) < DOWN + low.min(axis=0) + hip.imag for each in flexion]
-    )
+    lowest = np.array([body.sole(hip, 0.0, each).imag.min(axis=1) for each in flexion])
+    down = lowest < DOWN + low.min(axis=0) + hip.imag
     down |= ~down.any(axis=0) & (low == low.min(axis=0))  # never in the air
     order = _order([frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T])
     hip = hip * np.exp(1j * angle)

@@ -127,8 +127,8 @@ class Coordinator:
 
     def __post_init__(self) -> None:
         """Check numbers and table."""
-        times = [self.rise_time, self.jerk_time, self.hold, self.patience, self.transfer, self.power, self.rate]
-        checked(times, "times, power and rate of a coordinator", above=0.0)
+        times = [self.rise_time, self.jerk_time, self.hold, self.patience, self.transfer, self.about, self.lasts]
+        checked([*times, self.power, self.damping, self.rate], "numbers of a coordinator", above=0.0)
         checked(self.limit, "the limits of a coordinator [N·m]", above=0.0)
         _check_table(self.functions, self.table)
 
@@ -243,7 +243,7 @@ class Coordinator:
         Returns:
             Torque within the bounds [N·m], (n,).
         """
-        dt, most = 1.0 / self.rate, np.minimum(self.limit, self.power / np.maximum(np.abs(v), 1e-6))
+        dt, most = 1.0 / self.rate, np.fmin(self.limit, self.power / np.maximum(np.abs(v), 1e-6))
         aim = np.clip(np.nan_to_num(wanted, nan=0.0, posinf=0.0, neginf=0.0), -most, most)
         fastest = 2.0 * self.limit / self.rise_time
         jerk = fastest / self.jerk_time

@@ -241,11 +241,10 @@ class ContactFilter:
         flags = np.array([readings.switches[link][ends] for link in switched], dtype=np.float64).T
         # whether each switched foot is in each set, half for the unknown, (F, H)
         members = np.array([[*(float(link in each) for each in self.sets), 0.5] for link in switched])
-        K, H = likelihood.shape
-        probability = np.empty((K, H))
+        probability = np.empty_like(likelihood)
         planned = [not expected or each in expected for each in self._names]
         surprise = np.where([*planned, not expected], 0.0, np.log(self.noise.surprise))
-        for k in range(K):
+        for k in range(len(ends)):
             belief = self._changes @ memory.probability
             memory.misfit += BLOCK / self.noise.agrees * (misfit[k] - memory.misfit)  # jolts are short
             wrong = memory.misfit > self.noise.misfit
@@ -264,8 +263,7 @@ class ContactFilter:
                 down = members @ memory.probability
                 # 0.3 s: a switch that is 80 ms late stays below half weight, one that is stuck loses all of it
                 memory.disagreement[own] += BLOCK / 0.3 * (np.abs(flags[k] - down) - memory.disagreement[own])
-        best = probability.argmax(axis=1)
-        return Belief(probability, wrenches[np.arange(K), best])
+        return Belief(probability, wrenches[range(len(ends)), probability.argmax(axis=1)])
 
     def _switch_score(self, members: FloatArray, flags: FloatArray, weight: FloatArray) -> FloatArray:
         """Log-likelihood of the switches under each set; readings of one delay are one piece of evidence."""

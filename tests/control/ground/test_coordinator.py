@@ -113,7 +113,7 @@ def test_the_torque_moves_with_bounded_rate_and_jerk_and_arrives():
     assert (np.abs(np.diff(rate, axis=0)) * machine.rate <= fastest / machine.jerk_time + 1e-3).all()
     np.testing.assert_allclose(torque[-1], aim, rtol=0, atol=1e-2)
     assert (np.abs(torque).max(axis=0) <= np.abs(aim) + 0.01 * LIMIT).all()
-    assert np.isfinite(machine.bound(memory, np.full(6, np.nan), still)).all()
+    assert np.isfinite(machine.bound(memory, missing := np.full(6, np.nan), missing)).all()
 
 
 WRONG_TABLES = {
