@@ -25,7 +25,7 @@ import exoid
 from exoid.experiments import Bench, Harmonics, bleex, cuhk
 from exoid.experiments.bench import run_motion, stiff_servo
 from exoid.experiments.excitation import MotionLimits, Plan, plan_excitation
-from exoid.experiments.excitation.precision import Precision, predict
+from exoid.experiments.excitation.precision import Precision, information_of
 from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.rig import IdealTorque, Plant, Rates, Sensors
 
@@ -80,7 +80,7 @@ def compare(name: str, starts: int, longer: int) -> Plan:
             print(f"  {longer} times the starts {line(best.precision)}, {taken:.0f} s; ratio {ratio:.3f}", flush=True)
     plan = plans[0]
     for label, data in documents(leg, name).items():
-        theirs = predict(plan.model, data, TorqueNoise(NOISE[name]), plan.precision.scales)
+        theirs = information_of(plan.model, data, TorqueNoise(NOISE[name])).precision(plan.model, plan.precision.scales)
         ratios = ", ".join(
             f"{theirs.worst / p.precision.worst:.1f} × {key}" for key, p in zip(SPEEDS, plans, strict=True)
         )

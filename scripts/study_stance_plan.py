@@ -18,7 +18,7 @@ import numpy as np
 import exoid
 from exoid.errors import ExoidError
 from exoid.experiments.excitation import StancePlan, plan_stance, run_stance
-from exoid.experiments.excitation.precision import predict
+from exoid.experiments.excitation.precision import information_of
 from exoid.experiments.ground import protocol, single_support, squats_and_shifts
 from exoid.rig.ground import GroundPlant, GroundSensors
 from exoid.rig.ground.plant import BLEEX_SOLES
@@ -76,7 +76,7 @@ def compare(plan: StancePlan, exo: exoid.Leg) -> None:
     runs = [squats_and_shifts(plant, 20.0, seed=1)]
     runs += [single_support(plant, 20.0, seed=2 + leg, standing=leg) for leg in (0, 1)]
     logs = [run.recording(GroundSensors.exact(), wrenches={*run.wrenches} - {*BLEEX_SOLES}) for run in runs]
-    before = predict(plan.model, logs, plan.noise, plan.precision.scales)
+    before = information_of(plan.model, logs, plan.noise).precision(plan.model, plan.precision.scales)
     print(f"scenarios: {before}, {before.worst / plan.precision.worst:.2f} times the planned")
     for name, std, planned in zip(before.names, before.std, plan.precision.std, strict=True):
         if name in TORSO or name[0] in "XYJ":

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from typer import Option
 
 import exoid
+from exoid.errors import BadArgumentError
 
 from .inputs import given_terms, read_logs
 from .legs import find_leg, refuse_unknown_leg
@@ -49,7 +53,7 @@ class SearchOptions(NamedTuple):
         float, Option(metavar="HZ", help="Bandwidth of the torque noise; default: white.", rich_help_panel="log")
     ] = math.inf
     highest: Annotated[float, Option(metavar="HZ", help="Highest frequency of the motion.")] = 1.0
-    criterion: Annotated[Literal["worst", "a", "d"], Option(help="Criterion to minimise.")] = "worst"
+    criterion: Annotated[Literal["worst", "d"], Option(help="Criterion to minimise.")] = "worst"
     starts: Annotated[int, Option(min=1, help="Starts of the search.")] = 16
     seed: Annotated[int, Option(min=0, help="Seed of the search.")] = 0
 
@@ -112,8 +116,6 @@ def plan(
 
     Example: exoid plan cuhk -o plan.csv --duration 10 --starts 1
     """
-    from exoid.experiments.excitation.plan_files import plan_files  # noqa: PLC0415 - help needs no arrays
-
     refuse_unknown_leg(leg)
     if stance.supports is not None:
         from exoid.experiments.excitation import determined_on  # noqa: PLC0415
@@ -137,7 +139,7 @@ def plan(
         refuse(given(reading), "only the log of --assess is read")
     torso_tilts = parse_numbers(tilts, "--tilts") or (0.0,)
     labels = split_names(stance.stance) or [f"tilt{tilt:+g}" for tilt in torso_tilts]
-    files = {f"--output ({file.name})": file for file in (plan_files(output, labels) if output else ())}
+    files = {f"--output ({file.name})": file for file in (_files(output, labels) if output else ())}
     check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
@@ -158,11 +160,22 @@ def plan(
             more |= {"tilts_deg": torso_tilts} | search.arguments()
             result = excitation.plan_excitation(found, chosen, **more)
     if output is not None and not isinstance(result, excitation.Assessment):
-        for path in excitation.plan_files.write_plan(output, result):
+        for path, recording in zip(files.values(), result.recordings, strict=True):
+            recording.to_csv(path)
             note(f"wrote {path}")
     if figure is not None:
         save_figure(figure, _draw(result))
     print_result(result, as_json=as_json, data=_to_json(result))
+
+
+def _files(output: str, labels: Sequence[str]) -> list[Path]:
+    """Name the file of each motion, or refuse a name under which a plan cannot be written."""
+    path = Path(output)
+    if path.suffix != ".csv":
+        raise BadArgumentError("a plan in no table", file=output, remedy="name the file .csv")
+    if not os.path.isdir(path.parent):  # noqa: PTH112 - no error if a folder cannot be read
+        raise BadArgumentError(f"there is no folder {path.parent}", file=output, remedy="create it, or use another")
+    return [path.with_name(f"{path.stem}_{label}.csv") if len(labels) > 1 else path for label in labels]
 
 
 def _stance_arguments(stance: StanceOptions, search: SearchOptions) -> dict[str, Any]:

@@ -21,6 +21,23 @@ class States(NamedTuple):
     a: FloatArray  # accelerations [rad/s²]
 
 
+def minimum_jerk(s: ArrayLike) -> FloatArray:
+    """Rise from 0 to 1 with zero velocity and acceleration at both ends, 10 s³ − 15 s⁴ + 6 s⁵.
+
+    Args:
+        s: Argument, clipped to 0 to 1.
+
+    Returns:
+        The polynomial.
+
+    Example:
+        >>> minimum_jerk([0.0, 0.5, 1.0, 2.0])
+        array([0. , 0.5, 1. , 1. ])
+    """
+    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
+    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))
+
+
 @dataclass(frozen=True, repr=False)
 class Hold(Reference):
     """Constant pose.
@@ -39,7 +56,7 @@ class Hold(Reference):
 
 @dataclass(frozen=True, repr=False)
 class Approach(Reference):
-    """Smooth motion from pose a to pose b, then rest: θ = a + (b − a)(10 s³ − 15 s⁴ + 6 s⁵), s = min(t/T, 1).
+    """Smooth motion from pose a to pose b, then rest: by :func:`minimum_jerk` of t/T.
 
     Attributes:
         start: Initial angles a [rad], (n, B).
@@ -55,10 +72,9 @@ class Approach(Reference):
         """Evaluate the motion."""
         s = min(max(time / self.duration, 0.0), 1.0)
         way = self.pose - self.start
-        share = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
         rate = 30.0 * s * s * (1.0 - s) ** 2 / self.duration
         change = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / self.duration**2
-        return Target(self.start + share * way, rate * way, change * way)
+        return Target(self.start + minimum_jerk(s) * way, rate * way, change * way)
 
 
 @dataclass(frozen=True, repr=False)

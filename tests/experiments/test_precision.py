@@ -10,7 +10,7 @@ import exoid
 from exoid.experiments import Bench, Harmonics, cuhk
 from exoid.experiments.bench import run_motion
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation
-from exoid.experiments.excitation.precision import predict
+from exoid.experiments.excitation.precision import information_of
 from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
@@ -53,7 +53,7 @@ def test_predicted_covariance_is_that_of_identification(multisine, preparation):
     """
     recordings = [log(multisine, noise=np.random.default_rng(seed)) for seed in (1, 2, 3, 4)]
     estimate, *others = (identify(LEG, each, preparation=preparation, noise="white") for each in recordings)
-    predicted = predict(MODEL, recordings[:1], NOISE, SCALES, preparation)
+    predicted = information_of(MODEL, recordings[:1], NOISE, preparation).precision(MODEL, SCALES)
     np.testing.assert_allclose(np.mean([each.std for each in (estimate, *others)], axis=0), predicted.std, rtol=0.08)
     D = 1.0 / predicted.std
     np.testing.assert_allclose(estimate.correlation, D[:, None] * predicted.covariance * D, atol=0.08)
@@ -65,7 +65,7 @@ def test_predicted_covariance_is_exact_for_unfiltered_rows(multisine):
     recording = log(multisine, 20.0)
     W = MODEL.regressor(recording.q, recording.v, recording.a)[1:-1]
     information = sum(W[:, j].T @ W[:, j] / std**2 for j, std in enumerate(STD))
-    predicted = predict(MODEL, [recording], NOISE, SCALES, FiniteDifference())
+    predicted = information_of(MODEL, [recording], NOISE, FiniteDifference()).precision(MODEL, SCALES)
     np.testing.assert_allclose(predicted.covariance, np.linalg.inv(information), rtol=1e-6, atol=1e-12)
 
 
@@ -73,7 +73,7 @@ def test_predicted_covariance_is_exact_for_unfiltered_rows(multisine):
 def test_noise_behind_a_filter_scatters_estimates_as_predicted(multisine, preparation):
     """Least squares on filtered rows, many times over; the moving average is no symmetric filter."""
     recording = log(multisine, 20.0)
-    predicted = predict(SMOOTH, [recording], NOISE, SCALES, preparation)
+    predicted = information_of(SMOOTH, [recording], NOISE, preparation).precision(SMOOTH, SCALES)
     q, v, a, valid = preparation.kinematics(recording)
     assert SMOOTH.reversing(v) is None
     W = SMOOTH.regressor(q, v, a)
@@ -89,15 +89,17 @@ def test_narrow_band_noise_counts_by_its_spectral_density(multisine):
     """Doubling the rate reduces the standard deviation under white noise, but not under noise up to 20 Hz."""
     slow, fast = log(multisine, 20.0, 100.0), log(multisine, 20.0, 200.0)
     for bandwidth, gain in ((np.inf, np.sqrt(2.0)), (20.0, 1.0)):
-        one, two = (predict(SMOOTH, [x], TorqueNoise(STD, bandwidth), SCALES).std for x in (slow, fast))
+        one, two = (
+            information_of(SMOOTH, [x], TorqueNoise(STD, bandwidth)).precision(SMOOTH, SCALES).std for x in (slow, fast)
+        )
         np.testing.assert_allclose(one / two, gain, rtol=0.02)
 
 
 def test_long_logs_are_judged_block_by_block(multisine, monkeypatch):
     recording = log(multisine, 60.0)
-    whole = predict(MODEL, [recording], NOISE, SCALES).std
+    whole = information_of(MODEL, [recording], NOISE).precision(MODEL, SCALES).std
     monkeypatch.setattr("exoid.experiments.excitation.precision.BLOCK", 2000)
-    np.testing.assert_allclose(predict(MODEL, [recording], NOISE, SCALES).std, whole, rtol=0.1)
+    np.testing.assert_allclose(information_of(MODEL, [recording], NOISE).precision(MODEL, SCALES).std, whole, rtol=0.1)
 
 
 def test_a_recording_in_which_one_joint_moves_is_called_poor_for_the_other():

@@ -10,7 +10,7 @@ from standing import mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, ExoidError, Viscous
 from exoid.experiments.excitation import plan_stance, run_stance
-from exoid.experiments.excitation.precision import predict
+from exoid.experiments.excitation.precision import information_of
 from exoid.experiments.excitation.scales import TorqueNoise
 from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.ground.protocol import CLEARANCE, FRICTION, KNEE, LOAD, PITCH, SOLE_MARGIN
@@ -105,7 +105,7 @@ def test_the_precision_of_any_stance_is_the_scatter_of_identifications(plan):
     ones = np.ones(len(model.names))
     expected = np.append(EXO.parameters, np.zeros(len(ones) - COUNT))
     scales = plan.precision.scales._replace(expected=expected, parameter_scale=ones)
-    assert_scatter_is_predicted(logs, model, predict(model, logs, TorqueNoise(STD), scales))
+    assert_scatter_is_predicted(logs, model, information_of(model, logs, TorqueNoise(STD)).precision(model, scales))
 
 
 @pytest.mark.slow

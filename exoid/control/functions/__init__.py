@@ -3,9 +3,11 @@
 Angles are flexion: hip forward, knee backward, ankle upward. A vector (forward, up) is the complex number x + i z.
 """
 
+from exoid.experiments.references import minimum_jerk
+
 from .body import SEAT, SIDES, Body, contact_name, joint_angles, legs_flexion
 from .chair import rise, seated_hip, sit, stand
-from .function import PHASE, Contacts, Function, minimum_jerk
+from .function import PHASE, Contacts, Function
 from .stairs import stairs
 from .walk import walk
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.experiments.ground.posture import two_links
 from exoid.leg.leg import Leg
 from exoid.rig.ground import Sole
 from exoid.tools.numbers import checked
@@ -102,15 +103,8 @@ class Body:
         """
         turn = np.exp(1j * np.asarray(tilt))
         way = middle + turn * (1j * self.ankle - 0.5 * (self.heel + self.toe)) - hip
-        a, b = self.thigh, self.shank
-        cosine = (np.abs(way) ** 2 - a * a - b * b) / (2.0 * a * b)
-        if not (np.abs(cosine) < 1.0).all():
-            raise BadArgumentError(
-                f"a foot is up to {np.abs(way).max():.3g} m from the hip, a leg of {a + b:.3g} m",
-                remedy="take smaller steps, or a lower seat or riser",
-            )
-        knee = np.arccos(cosine)
-        thigh = np.angle(1j * way) + np.arctan2(b * np.sin(knee), a + b * np.cos(knee))
+        knee, ahead = two_links(way, self.thigh, self.shank, "a foot")
+        thigh = np.angle(1j * way) + ahead
         return np.column_stack([thigh - pitch, knee, tilt - (thigh - knee)])
 
     def sole(self, hip: ComplexArray, pitch: FloatArray | float, flexion: FloatArray) -> ComplexArray:

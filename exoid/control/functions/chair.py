@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from exoid.errors import BadArgumentError
+from exoid.experiments.references import minimum_jerk
 
 from .body import SEAT, SIDES, Body
-from .function import PHASE, Function, minimum_jerk, placed
+from .function import PHASE, Function, placed
 
 STANDING = 0.97
 """Height of the hip while standing over the length of the straight leg."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid._typing import ArrayLike, ComplexArray, FloatArray
+from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.tools.numbers import checked
 
@@ -105,20 +105,3 @@ def placed(
     if body.ankle == 0.0:
         flexion[..., 2] = 0.0
     return Function(name, duration, flexion, np.column_stack([hip.real, hip.imag, pitch]), order, cyclic)
-
-
-def minimum_jerk(s: ArrayLike) -> FloatArray:
-    """Rise from 0 to 1 with zero velocity and acceleration at both ends, 10 s³ − 15 s⁴ + 6 s⁵.
-
-    Args:
-        s: Argument, clipped to 0 to 1.
-
-    Returns:
-        The polynomial.
-
-    Example:
-        >>> minimum_jerk([0.0, 0.5, 1.0, 2.0])
-        array([0. , 0.5, 1. , 1. ])
-    """
-    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
-    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))

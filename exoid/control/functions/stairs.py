@@ -6,10 +6,11 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ComplexArray, FloatArray
+from exoid.experiments.references import minimum_jerk
 from exoid.tools.numbers import checked
 
 from .body import SIDES, Body
-from .function import PHASE, Function, minimum_jerk, placed
+from .function import PHASE, Function, placed
 
 STAIR_TILT_DEG = {
     True: ((0.0, 0.6, 0.68, 0.8, 0.86, 0.95, 1.0), (0.0, 0.0, -12.0, -35.0, -30.0, -4.0, 0.0)),

@@ -17,7 +17,7 @@ from exoid.torques import TorqueModel
 from .fourier import Basis
 from .scales import Scales, TorqueNoise
 
-Criterion = Literal["worst", "a", "d"]
+Criterion = Literal["worst", "d"]
 
 STEPS = (1e-5, 1e-5, 1e-3)
 """Steps of the central differences of the regressor by q, v and a."""
@@ -26,8 +26,8 @@ STEPS = (1e-5, 1e-5, 1e-3)
 class Stage(NamedTuple):
     """Settings of one stage of the search."""
 
-    # power p of the mean (Σ r_i^p)^(1/p) of the relative variances r_i: 1 for A-optimality, large for the worst
-    # parameter alone, 0 for D-optimality (the mean of the logarithms of the eigenvalues)
+    # power p of the mean (Σ r_i^p)^(1/p) of the relative variances r_i: large for the worst parameter
+    # alone, 0 for D-optimality (the mean of the logarithms of the eigenvalues)
     power: float
     penalty: float  # weight of the penalty
     iterations: int = 60  # largest number

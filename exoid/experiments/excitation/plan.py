@@ -19,7 +19,7 @@ from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
 
 from .fourier import FourierMotion, series
 from .objective import Criterion, Objective
-from .precision import Precision, predict
+from .precision import Precision, information_of
 from .scales import Scales, TorqueNoise
 from .search import search
 from .text import prediction_text
@@ -131,8 +131,8 @@ def plan_excitation(
         noise_bandwidth: Frequency up to which the noise spectrum is flat [Hz]; inf for white noise.
         tilts_deg: Torso tilts, one for each motion [deg].
         highest: Highest frequency of the motion [Hz].
-        criterion: Criterion to minimise: "worst" (largest relative standard deviation), "a" (sum of their squares) or
-            "d" (volume of the confidence ellipsoid).
+        criterion: Criterion to minimise: "worst" (largest relative standard deviation) or "d" (volume of the
+            confidence ellipsoid).
         starts: Number of starts of the search.
         seed: Seed of the search.
         progress: Function that receives the completed share, 0 to 1.
@@ -173,7 +173,7 @@ def plan_excitation(
     return Plan(
         model=model,
         motions=motions,
-        precision=predict(model, recordings, torque_noise, scales),
+        precision=information_of(model, recordings, torque_noise).precision(model, scales),
         noise=torque_noise,
         rate=rate,
         criterion=criterion,

@@ -169,17 +169,6 @@ def supports_during(
         yield SupportModel.of(model, links, axes), parts
 
 
-def predict(
-    model: TorqueModel,
-    recordings: Sequence[Recording],
-    noise: TorqueNoise,
-    scales: Scales,
-    preparation: Preparation | None = None,
-) -> Precision:
-    """Predict the covariance of weighted least squares; wrenches of links that rest are not known."""
-    return information_of(model, recordings, noise, preparation).precision(model, scales)
-
-
 def _r_factor(*blocks: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.qr(np.vstack(blocks), mode="r"))
 

@@ -17,7 +17,6 @@ from .objective import Objective, Stage
 
 STAGES = {
     "worst": (Stage(1.0, 30.0), Stage(4.0, 300.0), Stage(16.0, 3e3), Stage(40.0, 3e4, 150)),
-    "a": (Stage(1.0, 30.0), Stage(1.0, 3e3), Stage(1.0, 3e4, 150)),
     "d": (Stage(0.0, 30.0), Stage(0.0, 3e3), Stage(0.0, 3e4, 150)),
 }
 """Stages of each criterion. All starts pass the first, with a low penalty, and the better half of them the others."""

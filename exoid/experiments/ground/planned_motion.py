@@ -14,6 +14,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.limits import refuse_poses_beyond_limits
+from exoid.experiments.references import minimum_jerk
 from exoid.leg.link_frames import link_frame
 from exoid.leg.torso import TorsoMotion, base_kinematics
 from exoid.rig.ground import GroundMotion, GroundPlant, GroundRun, JointGains, Spring, simulate_on_ground
@@ -166,6 +167,5 @@ def wave(time: FloatArray, amplitude: float, frequency: float, rng: np.random.Ge
 
 
 def rise(time: FloatArray) -> FloatArray:
-    """Grow from 0 to 1 by a polynomial with zero velocity and acceleration at both ends."""
-    s = np.clip((time + LEAD - 0.3) / 1.5, 0.0, 1.0)  # to full size in 1.5 s
-    return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s * s))
+    """Grow from 0 to 1 in 1.5 s, from 0.3 s after a machine begins to settle."""
+    return minimum_jerk((time + LEAD - 0.3) / 1.5)
