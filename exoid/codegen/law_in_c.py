@@ -8,8 +8,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid._typing import FloatArray
+from exoid.errors import NotSupportedError
 from exoid.leg.leg import Leg
 
 from .dialect import Dialect
@@ -127,13 +127,3 @@ def law_in_c(law: object, dialect: Dialect) -> LawInC:
         )
     description: LawInC = law.in_c(dialect)  # type: ignore[attr-defined]
     return description
-
-
-def per_joint(values: ArrayLike, name: str, n: int) -> FloatArray:
-    """Give each joint its number."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape not in ((), (n,)):
-        raise BadArgumentError(
-            f"{name} of shape {array.shape} for {n} joints", remedy="give a number, or one for each joint"
-        )
-    return np.broadcast_to(array, (n,)).copy()

@@ -10,12 +10,13 @@ from exoid._typing import FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
+from exoid.leg.joint_numbers import for_joints
 from exoid.leg.reduction.planar import GRAVITY
 
 from .constants import Constants, constants_of_bodies
 from .dialect import ABSURD, Dialect, identifier
 from .drives import commands_in_c
-from .law_in_c import ArrayInC, LawInC, LegInC, per_joint
+from .law_in_c import ArrayInC, LawInC, LegInC
 from .safety import Safety
 from .source import CSource
 from .templates import fill
@@ -127,7 +128,7 @@ def _tables(leg: LegInC, needed: frozenset[str], dialect: Dialect) -> Iterator[C
 
 def _settings(law: LawInC, damping: FloatArray, n: int) -> Iterator[ArrayInC]:
     """Tables of limits and damping."""
-    limit, slew = per_joint(law.limit, "limit", n), per_joint(law.slew, "slew", n)
+    limit, slew = for_joints(law.limit, n, "limit"), for_joints(law.slew, n, "slew")
     without = f"; {ABSURD:g} for none"
     # an infinite limit is a number so large that no torque reaches it: C99 has no literal for infinity
     yield ArrayInC("largest", f"largest torque [N m]{without}", np.minimum(limit, ABSURD))

@@ -9,8 +9,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-
-from .law_in_c import per_joint
+from exoid.leg.joint_numbers import for_joints
 
 SafeTorque = Literal["zero", "damping", "gravity"]
 """Kinds of safe torque; see :class:`Safety`."""
@@ -81,7 +80,7 @@ class Safety:
         """
         if self.safe == "zero":
             return np.zeros_like(default)
-        return default if self.damping is None else per_joint(self.damping, "damping", len(default))
+        return default if self.damping is None else for_joints(self.damping, len(default), "damping")
 
     def describe(self, default: FloatArray) -> str:
         """Say in one line what the safe torque is.

@@ -10,9 +10,9 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
-from exoid.codegen.law_in_c import per_joint
 from exoid.codegen.templates import step_of
 from exoid.errors import BadArgumentError
+from exoid.leg.joint_numbers import for_joints
 from exoid.rig import Target
 from exoid.tools.numbers import checked
 
@@ -160,7 +160,7 @@ class SensitivityAmplification:
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C; it has no reference."""
-        share = per_joint(self.share, "amplification", self.model.n)
+        share = for_joints(self.share, self.model.n, "amplification")
         return describe(
             self.model,
             self.friction,

@@ -10,8 +10,9 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.codegen import MOTION, REFERENCE, ArrayInC, Dialect, InputInC, LawInC
-from exoid.codegen.law_in_c import Needed, per_joint
+from exoid.codegen.law_in_c import Needed
 from exoid.errors import BadArgumentError
+from exoid.leg.joint_numbers import for_joints
 from exoid.rig import Target
 
 from .c_description import describe
@@ -170,8 +171,8 @@ class TrackingLaw:
         if self.model is None and not sizes:
             raise BadArgumentError("PD control of an unknown number of joints", remedy="give one gain for each joint")
         n = sizes[0] if self.model is None else self.model.n
-        kd = per_joint(self.kd, "kd", n)
-        numbers = (per_joint(self.kp, "kp", n), kd)
+        kd = for_joints(self.kd, n, "kd")
+        numbers = (for_joints(self.kp, n, "kp"), kd)
         names = ("share",) if self.feedforward == "share" else ("kp", "kd")
         tables = {name: (gain, what) for name, gain, what in zip(names, numbers, kind.gains, strict=False)}
         step = kind.step.replace("{{feedback}}", FEEDBACK)

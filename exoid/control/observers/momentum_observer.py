@@ -16,6 +16,7 @@ from exoid.control.law import refuse_rate
 from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
+from exoid.leg.closure import BLOCK
 from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 from exoid.tools.numbers import checked
@@ -25,9 +26,6 @@ from .in_c import observer_in_c
 from .momentum import MomentumModel
 from .noise import NoiseBand, Residual, SensorNoise, parameter_variance
 from .readings import ObservedTorque, ObserverReading, observed_log, refuse_readings
-
-BLOCK = 4096
-"""Samples of a log worked on at once."""
 
 
 class ObserverMemory(NamedTuple):

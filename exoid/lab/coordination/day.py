@@ -25,28 +25,24 @@ from exoid.errors import BadArgumentError
 from exoid.experiments.ground import bleex_machine, cuhk_machine
 from exoid.experiments.ground.planned_motion import KNOTS, LEAD, Bearing, planned_motion
 from exoid.experiments.ground.posture import total_mass
+from exoid.experiments.ground.walking import GAINS as WALKING
 from exoid.experiments.ground.walking import HARNESS
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import Block, GroundPlant, GroundRun, JointGains, simulate_on_ground
 from exoid.rig.ground.plant import SEAT as SEAT_SOLE
+from exoid.signals.contacts import LEAST_LOAD
 
 MACHINES: Mapping[str, Callable[[], GroundPlant]] = {"bleex": bleex_machine, "cuhk": cuhk_machine}
 """Machines by name."""
 
-GAINS = {
-    3: JointGains(stiffness=(1000.0, 800.0, 250.0), damping=(40.0, 30.0, 10.0)),
-    2: JointGains(stiffness=(1000.0, 800.0), damping=(40.0, 30.0)),
-}
-"""Gains of the servo by the number of joints of a leg, an assumption: those of walking in a harness."""
+GAINS = {3: WALKING, 2: JointGains(stiffness=(1000.0, 800.0), damping=(40.0, 30.0))}
+"""Gains of the servo by the number of joints of a leg: those of walking in a harness."""
 
 SUPPORT = 0.2
 """Share of the weight that crutches or a harness bear, whose force is logged; an assumption."""
 
 SEAT_HEIGHT, RISER, TREAD, STEPS = 0.45, 0.17, 0.29, 12
 """Height of the chair [m], size of the steps [m] and their number."""
-
-LOADED = 20.0
-"""Force from which a contact bears load [N], that of a foot switch."""
 
 PLAN = (
     ("sit", 0.06),
@@ -73,7 +69,8 @@ class Episode:
     def truth(self) -> dict[str, BoolArray]:
         """Contacts that bear load, by the names of functions, (N,) each."""
         return {
-            contact_name(self.run.plant.leg, link): foot.force[:, 2] > LOADED for link, foot in self.run.feet.items()
+            contact_name(self.run.plant.leg, link): foot.force[:, 2] > LEAST_LOAD
+            for link, foot in self.run.feet.items()
         }
 
 

@@ -15,14 +15,12 @@ from exoid.control.ground.hypotheses import BLOCK, Belief, ContactFilter, Contac
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.identification import identify
+from exoid.lab.reproduce.stance import TERMS
 from exoid.rig.ground import GroundPlant, GroundSensors
 from exoid.signals import Recording
-from exoid.torques import Armature, Coulomb, Stiffness, Viscous
+from exoid.torques import Stiffness
 
 from .day import MACHINES, Episode, run_day, run_function
-
-TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
-"""Friction and rotors of both machines."""
 
 AWAY = 0.1
 """Time from a transition from which a mode is judged [s]."""

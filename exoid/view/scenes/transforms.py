@@ -6,6 +6,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
+from exoid.signals.base_pose import continuous
 
 
 def homogeneous(translation: ArrayLike, rotation: FloatArray | None = None) -> FloatArray:
@@ -31,6 +32,4 @@ def align_z(direction: ArrayLike, near_y: ArrayLike = (0.0, 1.0, 0.0)) -> FloatA
 
 def quaternions(rotation: FloatArray) -> FloatArray:
     """Quaternions (x, y, z, w) of rotation matrices (F, 3, 3), without jumps of sign, (F, 4)."""
-    found = scipy.spatial.transform.Rotation.from_matrix(rotation).as_quat()
-    jumps = np.cumprod(np.where((found[1:] * found[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
-    return np.asarray(found * np.concatenate([[1.0], jumps])[:, np.newaxis])
+    return continuous(scipy.spatial.transform.Rotation.from_matrix(rotation).as_quat())
