@@ -43,7 +43,7 @@ def wear_report(study: WearStudy) -> ReplayReport:
             "amplification": {name: each.amplification for name, each in study.felt.items() if name != "off"},
             "largest_amplification": {name: min(each.largest, each.most) for name, each in study.largest.items()},
             "largest_tried": study.largest["identified"].most,
-            **attributes(study, "limited_by", "period", "seed"),
+            **attributes(study, "period", "seed"),
         },
         drawings={"felt_torque": drawing},
     )
@@ -77,10 +77,8 @@ def _findings(study: WearStudy) -> list[str]:
         "model are stable.",
     ]
     identified = study.largest["identified"]
-    if study.limited_by is not None and np.isfinite(identified.largest):
-        notes.append(f"What is known of {study.limited_by} limits it most.")
-    elif study.limited_by is not None:
-        notes.append(f"Nothing limits it up to {identified.most:g}; the next limit would come from {study.limited_by}.")
+    if np.isinf(identified.largest):
+        notes.append(f"Nothing limits that of the identified model up to {identified.most:g}.")
     return notes
 
 

@@ -84,11 +84,6 @@ class WearStudy:
         """Root of the mean square of :attr:`floor` over all joints [N·m]."""
         return float(np.sqrt(np.mean(self.floor**2)))
 
-    @property
-    def limited_by(self) -> str | None:
-        """Parameter whose error limits the amplification with the identified model most; None if none does."""
-        return self.largest["identified"].limited_by
-
 
 def wear(
     source: str | Estimate | WornModels,

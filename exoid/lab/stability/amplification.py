@@ -17,9 +17,9 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.rig import Plant, Wearer
 from exoid.tools.json_values import attributes, json_value
-from exoid.tools.tables import make_table, to_text
+from exoid.tools.tables import to_text
 
-from .draws import draw_truths, limiting_shares
+from .draws import draw_truths
 from .worn_leg import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
@@ -42,8 +42,6 @@ class Amplification:
         share: Share of the draws that must be stable.
         pose: Pose at which the loop first becomes unstable [rad], (n,); empty if it does not.
         frequency: Frequency of the oscillation at that boundary [Hz]; NaN without one.
-        variance_shares: Share of the variance of the boundary that vanishes if a parameter becomes known exactly, by
-            name; empty for given truths. Without a boundary, of the one that wider distributions reach first.
         rejected: Share of draws that no rigid bodies have.
         drawn: Whether the true legs are draws from the distribution of an estimate.
         rate: Sampling rate of the controller [Hz].
@@ -57,7 +55,6 @@ class Amplification:
     share: float
     pose: FloatArray
     frequency: float
-    variance_shares: dict[str, float]
     rejected: float
     drawn: bool
     rate: float
@@ -76,26 +73,19 @@ class Amplification:
         below, above = (int(scipy.stats.binom.ppf(p, count, 1.0 - self.share)) for p in (0.025, 0.975))
         return float(ordered[max(below - 1, 0)]), float(ordered[min(above, count - 1)])
 
-    @property
-    def limited_by(self) -> str | None:
-        """Parameter whose exact knowledge would reduce the variance of the boundary most; None if nothing limits."""
-        shares = self.variance_shares
-        return max(shares, key=lambda name: shares[name]) if any(shares.values()) else None
-
     def to_json(self) -> dict[str, Any]:
         """Convert the result to JSON types.
 
         Returns:
             Values by name; None stands for an amplification without limit, see ``most``.
         """
-        names = ("leg", "largest", "interval", "exact", "share", "limited_by", "variance_shares", "rejected", "drawn")
-        data = attributes(self, *names, "rate", "delay", "most", "frequency")
+        names = ("leg", "largest", "interval", "exact", "share", "rejected", "drawn", "rate", "delay", "most")
+        data = attributes(self, *names, "frequency")
         return data | {"pose_deg": json_value(np.rad2deg(self.pose)), "draws": len(self.values)}
 
     def __repr__(self) -> str:
         """Write the largest amplification."""
-        limited = f", limited by {self.limited_by}" if self.limited_by else ""
-        return f"Amplification({self.leg}: {_text(self.largest, self.most)}{limited})"
+        return f"Amplification({self.leg}: {_text(self.largest, self.most)})"
 
     def __str__(self) -> str:
         """Print the result with its evidence."""
@@ -107,18 +97,13 @@ class Amplification:
             head = f"{found} for the given true leg"
         else:
             head = f"{found}, stable for {100.0 * self.share:g} % of {count} given legs"
-        parts: list[Any] = [f"{self.leg}: largest amplification {head}"]
+        parts = [f"{self.leg}: largest amplification {head}"]
         parts.append(f"with an exact model: {_text(self.exact, self.most)}")
         if len(self.pose):
             pose = ", ".join(f"{x:.0f}°" for x in np.rad2deg(self.pose))
             # Frequency below which a growing motion is a drift [Hz].
             grows = f"{self.frequency:.2g} Hz grow" if self.frequency > 0.1 else "the leg drifts away (its weight)"
             parts.append(f"beyond it, {grows} at the pose ({pose})")
-        if self.variance_shares:
-            # Number of parameters in the printed table.
-            listed = sorted(self.variance_shares.items(), key=lambda item: -item[1])[:5]
-            rows = [(name, f"{100.0 * share:.0f} %") for name, share in listed]
-            parts.append(make_table(("limiting parameter", "variance of the boundary that it explains"), rows))
         if self.rejected:
             parts.append(f"{100.0 * self.rejected:.2g} % of the draws were rejected: no bodies have these parameters")
         parts.append(f"{self.rate:g} Hz, delay {self.delay} sampling periods; linearised without Coulomb friction.")
@@ -183,7 +168,6 @@ def largest_amplification(
         )
     at = poses_of(model.leg, poses)
     loop = WornLoop.of_amplifications(lambda amplification: law(source, amplification), wearer, at, delay, most)
-    shares: dict[str, float] = {}
     rejected = 0.0
     if truth is not None:
         single = isinstance(truth, Estimate | Plant | ControlModel) or not isinstance(truth, Sequence)
@@ -195,16 +179,12 @@ def largest_amplification(
         parameters, rejected = draw_truths(torques, source.values, source.covariance, draws, seed)
         legs, known = loop.legs(torques, parameters), loop.legs(torques, source.values[None])
         values = loop.largest(legs)
-        each = limiting_shares(loop, torques, source.values, source.covariance, parameters, values, seed)
-        shares = dict(zip(torques.names, each.tolist(), strict=True))
     else:
         raise BadArgumentError("only an estimate has a distribution", remedy="pass an Estimate, or the truth")
     pose, frequency = _boundary(loop, legs, values, share)
     exact, name = float(loop.largest(known)[0]), model.leg.description.name
     drawn = truth is None
-    return Amplification(
-        name, values, exact, share, pose, frequency, shares, rejected, drawn, loop.rate, loop.delay, most
-    )
+    return Amplification(name, values, exact, share, pose, frequency, rejected, drawn, loop.rate, loop.delay, most)
 
 
 def _boundary(loop: WornLoop, legs: Sequence[HeldLeg], values: FloatArray, share: float) -> tuple[FloatArray, float]:

@@ -1,4 +1,4 @@
-"""Draws of true parameters from the distribution of an estimate, and those whose uncertainty limits stability."""
+"""Draws of true parameters from the distribution of an estimate."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, NotIdentifiableError
+from exoid.errors import NotIdentifiableError
 from exoid.torques import TorqueModel, Viscous
 
 from .worn_leg import mass_matrices
-from .worn_loop import WornLoop
 
 TRIES = 20
 """Draws that may be made for each that is needed."""
@@ -54,55 +53,3 @@ def draw_truths(model: TorqueModel, values: FloatArray, covariance: FloatArray, 
         where=model.leg.description.name,
         remedy="identify again with more excitation, or with known masses as priors",
     )
-
-
-def limiting_shares(
-    loop: WornLoop,
-    model: TorqueModel,
-    mean: FloatArray,
-    covariance: FloatArray,
-    draws: FloatArray,
-    largest: FloatArray,
-    seed: int,
-) -> FloatArray:
-    """Compute how much of the variance of the boundary each parameter explains."""
-    # The spectral radius is ρ(β, s) with the share s = 1 − 1/α. Its boundary ρ = 1 determines s(β) with the
-    # gradient −(∂ρ/∂β)/(∂ρ/∂s). Shares of variance are the mean over the draws with the smallest
-    # amplifications. If no draw has a boundary, draws with wider standard deviations tell which parameter would
-    # limit first.
-    # Factors of the standard deviations with which draws are made again until some have a boundary.
-    for factor in (4.0, 16.0, 64.0):
-        if ((largest > 0.0) & np.isfinite(largest)).any() or not covariance.any():
-            break
-        try:
-            draws = draw_truths(model, mean, factor**2 * covariance, 60, seed).parameters  # number of such draws
-        except ExoidError:  # hardly any bodies are so far from the mean
-            break
-        largest = loop.largest(loop.legs(model, draws))
-    chosen = np.flatnonzero((largest > 0.0) & np.isfinite(largest))
-    # Number of draws with the smallest amplifications at whose boundaries the gradient is taken.
-    chosen = chosen[np.argsort(largest[chosen], kind="stable")][:8]
-    if not len(chosen):
-        return np.zeros(len(mean))
-
-    std = np.sqrt(np.diag(covariance))
-    step = 0.01 * np.where(std > 0.0, std, 1.0)  # step of the gradient in standard deviations
-    shares = []
-    for k in chosen:  # the factor ∂ρ/∂s is common to all parameters and cancels
-        around = draws[k] + np.vstack([np.diag(step), -np.diag(step)])
-        at = np.full(len(around), 1.0 - 1.0 / float(largest[k]))
-        ahead, behind = np.split(loop.radius(loop.legs(model, around), at), 2)
-        shares.append(variance_shares(np.where(std > 0.0, (ahead - behind) / (2.0 * step), 0.0), covariance))
-    return np.asarray(np.mean(shares, axis=0))
-
-
-def variance_shares(gradient: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Compute by which share the variance of a linear function would fall if one parameter were known exactly."""
-    # This is r_i² = (Σ g)_i² / (Σ_ii gᵀ Σ g), the squared correlation of parameter and function. Correlated parameters
-    # share what they explain, so the sum may exceed 1.
-    std = np.sqrt(np.diag(covariance))
-    along = covariance @ gradient
-    variance = float(gradient @ along)
-    if variance <= 0.0:
-        return np.zeros(len(std))
-    return np.asarray(np.where(std > 0.0, along / np.where(std > 0.0, std, 1.0), 0.0) ** 2 / variance)

@@ -44,7 +44,6 @@ def test_cad_limits_the_amplification_more_than_the_estimate(worn):
     found = reproduce.wear_report(worn).data
     assert found["largest_amplification"]["cad"] < 10.0 < found["largest_amplification"]["identified"]
     assert found["amplification"]["cad"] == pytest.approx(0.9 * found["largest_amplification"]["cad"])
-    assert found["limited_by"] in worn.largest["identified"].variance_shares
 
 
 @pytest.mark.nightly
@@ -58,7 +57,6 @@ def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path, data):
     found = json.loads(done.stdout)
     felt = found["felt_rms"]
     assert {"cad", "identified"} <= set(found["largest_amplification"])
-    assert "limited_by" in found
     assert list(felt) == ["off", "cad", "identified", "truth"]
     assert felt["identified"] <= 1.3 * felt["truth"]
     assert (tmp_path / "figures" / "felt_torque.pdf").stat().st_size > 1e4

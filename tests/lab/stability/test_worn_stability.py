@@ -157,23 +157,6 @@ def test_values_agree_with_the_share_of_stable_loops(wearer):
     assert low <= found.largest <= high
 
 
-def test_the_limiting_parameter_is_the_uncertain_one(wearer):
-    est = wrong_estimate(std=1e-4)
-    covariance = est.covariance.copy()
-    k = est.names.index("J1")
-    covariance[k, k] = (0.15 * est.values[k]) ** 2
-    found = largest_amplification(
-        replace(est, covariance=covariance), wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100
-    )
-    assert found.limited_by == "J1"
-    assert found.variance_shares["J1"] > 0.99
-    assert "J1" in str(found)
-    small = replace(est, covariance=4e-3 * covariance)  # no draw has a boundary
-    found = largest_amplification(small, wearer=wearer, law=AMPLIFIED, poses=POSE, draws=100)
-    assert found.largest == np.inf
-    assert found.limited_by == "J1"
-
-
 def test_draws_have_the_covariance_and_only_possible_legs():
     est = wrong_estimate(0.01)
     found = draw_truths(est.model, est.values, est.covariance, 4000, 0)
