@@ -116,14 +116,15 @@ def plan(
 
     Example: exoid plan cuhk -o plan.csv --duration 10 --starts 1
     """
+    from exoid.experiments import excitation  # noqa: PLC0415 - help needs no arrays
+
     refuse_unknown_leg(leg)
     if stance.supports is not None:
-        from exoid.experiments.excitation import determined_on  # noqa: PLC0415
-
         others = {"-o": output, "--assess": assess, "--tilts": tilts, "--figure": figure}
         refuse({**others, **given(stance._replace(supports=None))}, "--supports plans nothing")
         sets = [[] if each == "air" else each.split("+") for each in split_names(stance.supports) or ()]
-        print_result(determined_on(find_leg(leg, choice, None), sets, given_terms(terms) or ()), as_json=as_json)
+        seen = excitation.determined_on(find_leg(leg, choice, None), sets, given_terms(terms) or ())
+        print_result(seen, as_json=as_json)
         return
     if stance.stance is None:
         refuse(given(stance), "they are for --stance")
@@ -144,7 +145,7 @@ def plan(
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
     found = find_leg(leg, choice, logged)
-    allowed, chosen, excitation = limits.of(found), given_terms(terms), exoid.experiments.excitation
+    allowed, chosen = limits.of(found), given_terms(terms)
     chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan
     if recordings:
