@@ -51,6 +51,8 @@ def test_on_a_rail_the_foot_has_to_leave_the_ground():
     assert np.array_equal(found.determined.sum(axis=1), [2, 7, 7])
 
 
-def test_a_link_that_is_not_there_is_named():
+def test_a_link_that_is_not_there_is_named_and_one_that_holds_all_joints():
     with pytest.raises(exoid.ExoidError, match="left_fot"):
         determined_on(exoid.load_exo("bleex", base="floating"), [["left_fot"]])
+    with pytest.raises(exoid.ExoidError, match="left_foot hold all joints"):
+        determined_on(exoid.load_leg("bleex"), [[], ["left_foot"]])

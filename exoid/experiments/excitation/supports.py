@@ -17,6 +17,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
+from exoid.errors import BadArgumentError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
@@ -88,6 +89,13 @@ def determined_on(leg: Leg, supports: Sequence[Sequence[str]], terms: Sequence[T
     model = TorqueModel(leg, tuple(terms))
     rows = [_rows(model, tuple(links)) for links in supports]
     labels = [" + ".join(links) or "air" for links in supports]
+    for label, each in zip(labels, rows, strict=True):
+        if not len(each):
+            raise BadArgumentError(
+                f"unknown forces on {label} hold all joints of a leg whose base is fixed",
+                where=leg.description.name,
+                remedy='let the base move: base="floating", or --floating-base',
+            )
     found = [_determined(each) for each in (*rows, np.vstack(rows))]
     return Supports((*labels, "all of these"), model.names, np.array(found))
 
