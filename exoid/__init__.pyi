@@ -23,7 +23,7 @@ from .errors import ExoidError
 from .estimate import Comparison, Estimate, GroupedEstimate, Validation, compare, ground_forces, validate
 from .estimate.finding import Finding
 from .identification import check, identify
-from .lab import reproduce
+from .lab import reproduce, study
 from .leg import Leg, Payload, TorsoMotion, catalog, lift, load_exo, load_leg, published, reduction
 from .signals import BaseMotion, BasePose, Recording, Recordings, Wrench, datasets
 from .torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -77,6 +77,7 @@ __all__ = [
     "reproduce",
     "rig",
     "signals",
+    "study",
     "torques",
     "validate",
     "view",

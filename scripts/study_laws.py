@@ -11,7 +11,6 @@ import argparse
 import warnings
 
 import numpy as np
-from virtual_legs import Noise, Study, document, planned, plausible_truth, run_chunk
 
 import exoid
 from exoid.control import ControlModel, default_gains, mean_pose, simulate_many, standard_laws
@@ -19,6 +18,8 @@ from exoid.control.standard_laws import SENSORS
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.experiments.excitation import MotionLimits, plan_excitation
 from exoid.experiments.excitation.scales import Scales
+from exoid.lab.study import LegText, Noise, Study, document, planned, plausible_truth
+from exoid.lab.study.replicates import run_chunk
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
@@ -37,7 +38,7 @@ def main() -> None:
     truth = plausible_truth(model, Scales.of(model, MotionLimits.of(leg)).typical_torque)
     plan = plan_excitation(leg, criterion="d", starts=2, noise=NOISE, duration=SECONDS)
     study = Study(
-        leg="cuhk",
+        leg=LegText.of(leg),
         terms=DEFAULT_TERMS,
         truth=truth,
         protocols=(planned(plan), document(leg, SECONDS)),

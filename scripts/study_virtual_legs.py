@@ -10,11 +10,11 @@ import argparse
 from collections.abc import Callable
 
 from threadpoolctl import threadpool_limits
-from virtual_legs import Noise, Protocol, Study, document, planned, plausible_truth, run_study
 
 import exoid
 from exoid.experiments.excitation import MotionLimits, plan_excitation
 from exoid.experiments.excitation.scales import Scales, TorqueNoise
+from exoid.lab.study import LegText, Noise, Protocol, Study, document, planned, plausible_truth, run_study
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
 COLOURS = {"white": 0.0, "correlated": 1.0, "mixed": 0.8}
@@ -49,7 +49,7 @@ def main() -> None:
 
     motions: dict[str, Callable[[], Protocol]] = {"planned": plan, "document": lambda: document(leg, given.duration)}
     study = Study(
-        leg=given.leg,
+        leg=LegText.of(leg),
         terms=DEFAULT_TERMS,
         truth=plausible_truth(model, scales.typical_torque),
         protocols=tuple(motions[name]() for name in given.protocols.split(",")),
@@ -58,7 +58,7 @@ def main() -> None:
         replicates=given.replicates,
         seed=given.seed,
     )
-    result = run_study(study, given.workers)
+    result = run_study(study, None if given.workers == 1 else given.workers)
     print(result)
     for combination in result.combinations if given.parameters else ():
         print(f"\n{combination}")

@@ -34,7 +34,7 @@ def test_a_leg_and_its_identification_import_what_they_compute_with_and_no_more(
     imported = top_level("import exoid; exoid.load_leg('bleex'); exoid.identify; exoid.Recording")
     assert {"pinocchio", "numpy", "scipy"} <= imported
     unused = {"jinja2", "matplotlib", "meshcat", "multiprocessing", "polars", "pooch", "rich", "rosbags", "tornado"}
-    assert not imported & (unused | {"trimesh", "typer", "yourdfpy"})
+    assert not imported & (unused | {"trimesh", "typer", "yourdfpy", "distributed", "threadpoolctl"})
 
 
 def test_an_identification_imports_no_part_of_scipy_that_it_does_not_use():

@@ -16,6 +16,7 @@ class Target(NamedTuple):
     output: Annotated[Text, Option("--output", "-o", metavar="LEG.URDF", help="Write the URDF there.")] = None
     c: Annotated[Text, Option("--c", metavar="LEG.C", help="Write the torques of a planar leg as C99 there.")] = None
     mjcf: Annotated[Text, Option(metavar="LEG.XML", help="Write MuJoCo's model file there, with rotors.")] = None
+    ros2: Annotated[Text, Option(metavar="DIR", help="--law: write a ROS 2 package there, in its own folder.")] = None
     precision: Annotated[Text, Option(help="Precision of the C: double (default) or float.")] = None
     law: Annotated[Text, Option(metavar="NAME", help="Write this law into the file of --c, with a header.")] = None
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from exoid import control
-from exoid.codegen import Safety, write_c
+from exoid.codegen import Safety, write_c, write_ros2
 from exoid.codegen.drives import with_form_in_c
 from exoid.control import ControlModel
 from exoid.errors import BadArgumentError, NotSupportedError, nearest
@@ -35,7 +35,7 @@ GROUND = "stance"
 
 
 def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSource:
-    """Write a law for an estimate as C."""
+    """Write a law for an estimate as C, or as a package for ROS 2."""
     # Gains, rate and gait are those of `exoid track` unless options say otherwise; the limit is that of the URDF.
     name, default = str(target.law), Safety()
     patience = default.patience if options.patience is None else options.patience
@@ -56,6 +56,8 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
     else:
         law = _limited(_law(estimate, name, options), estimate, options)
     precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
+    if target.ros2 is not None:
+        return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
     drives, without = with_form_in_c(None if name == OBSERVER else estimate.actuators)
     warnings = (*warnings, *without)
     return write_c(

@@ -3,6 +3,7 @@
 from .dialect import Dialect
 from .forms import JointInC, register_c_form
 from .law_in_c import MOTION, REFERENCE, ArrayInC, InputInC, LawInC
+from .ros2 import write_ros2
 from .safety import Safety
 from .source import CSource
 from .write import c_source, write_c
@@ -20,4 +21,5 @@ __all__ = [
     "c_source",
     "register_c_form",
     "write_c",
+    "write_ros2",
 ]

@@ -16,7 +16,7 @@ from .law_in_c import LawInC
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CSource:
-    """A leg or a law written in C; prints itself.
+    """A leg or a law written in C, alone or inside a package for ROS 2; prints itself.
 
     Attributes:
         files: Text of each file by its name, the C first, then its header if there is one.
@@ -27,7 +27,7 @@ class CSource:
         facts: Content as JSON data.
         summary: Lines that describe the content.
         warnings: Warnings about the model.
-        path: C file that was written; None if none was.
+        path: C file or folder that was written; None if none was.
     """
 
     files: dict[str, str]

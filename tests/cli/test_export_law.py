@@ -9,7 +9,7 @@ from made_estimates import made
 
 import exoid
 from exoid.actuators import Actuators, Motor
-from exoid.codegen import Safety, c_source
+from exoid.codegen import Safety, c_source, write_ros2
 from exoid.control import (
     LAWS,
     Limited,
@@ -103,6 +103,23 @@ def test_an_observer_of_torques_that_lag_is_refused_by_name(estimate, exoid_, tm
     assert [path.name for path in tmp_path.iterdir()] == ["late.json"]
     exoid_("export", "late.json", "--law", "pd", "--c", "law.c")  # a law without torques is not concerned
     assert (tmp_path / "law.c").is_file()
+
+
+def test_a_package_for_ros_2_is_that_of_python(saved, exoid_, tmp_path):
+    printed = exoid_("export", "est.json", "--law", "gravity_friction_pd", "--ros2", "leg", "--limit", "60").out
+    assert "package leg for ROS 2 Jazzy" in printed
+    assert "was not built with ROS 2" in printed
+    gait = gait_of(saved)
+    law = standard_laws(saved, *default_gains(saved, mean_pose(gait, 10.0)), gait, 10.0, names=["gravity_friction_pd"])
+    limited = Limited(law["gravity_friction_pd"], np.full(3, 60.0))
+    (tmp_path / "again").mkdir()
+    expected = write_ros2(tmp_path / "again" / "leg", limited, provenance=provenance(saved))
+    written = {path.relative_to(tmp_path / "leg").as_posix() for path in (tmp_path / "leg").rglob("*.*")}
+    assert written == {*expected.files, "exoid.json"}
+    for name, text in expected.files.items():
+        assert (tmp_path / "leg" / name).read_text() == text
+    described = json.loads(exoid_("export", "est.json", "--law", "lqr", "--ros2", "leg", "--json").out)
+    assert (described["package"], described["law"]["inputs"][-1]) == ("leg", "a_d")
 
 
 def test_a_law_of_an_estimate_with_drives_gives_their_commands(estimate, exoid_, tmp_path):

@@ -9,7 +9,7 @@ from laws_of_bleex import KD, KP, model
 
 import exoid
 from exoid import Coulomb
-from exoid.codegen import Dialect, LawInC, Safety, c_source, register_c_form
+from exoid.codegen import Dialect, InputInC, LawInC, Safety, c_source, register_c_form, write_ros2
 from exoid.control import Limited, MomentumObserver, pd
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
 from exoid.torques import LoadFriction, TorqueModel
@@ -35,6 +35,13 @@ class Described:
         return LawInC(("hip",), "tau = 0", "    tau[0] = {{number(0)}};\n", self.rate, np.zeros(1))
 
 
+class Pushed(Described):
+    """A law that needs the torque of the wearer."""
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        return replace(super().in_c(dialect), inputs=(InputInC("interaction", "torque [N m]", "reading"),))
+
+
 class Overridden(Described):
     """Computes something else than its parent."""
 
@@ -57,6 +64,8 @@ UNSUPPORTED = {
     "law without a description": lambda: c_source(object()),
     "law that computes something else than its parent": lambda: c_source(Overridden()),
     "channels that lag": lambda: c_source(LATE),
+    "observer for ROS 2": lambda: write_ros2("leg", MomentumObserver(model(), 8.0, 100.0, torque_delay=0.0)),
+    "input that ROS 2 does not have": lambda: write_ros2("leg", Pushed()),
 }
 
 BAD = {
@@ -71,6 +80,8 @@ BAD = {
     "gravity without a model": lambda: c_source(pd(KP, KD), safety=Safety("gravity")),
     "kind of safe torque": lambda: Safety("limp"),
     "patience": lambda: Safety(patience=np.nan),
+    "rate for ROS 2": lambda: write_ros2("leg", pd((1.0, 2.0), (0.1, 0.2), rate=99.5)),
+    "name of a joint for ROS 2": lambda: write_ros2("leg", pd((1.0, 2.0), (0.1, 0.2))),
 }
 
 CASES = [

@@ -12,6 +12,7 @@ from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle
 
 from exoid import Leg
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
+from exoid.lab.study import LegText
 from exoid.leg.base_kinematics import BaseKinematics
 
 MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "weld": welded_knee, "ankle": two_rod_ankle}
@@ -177,6 +178,8 @@ def test_what_closed_loops_do_not_have_is_refused(tmp_path):
         machine.leg(tmp_path, base="floating")
     with pytest.raises(ExoidError, match="dependent joints of loops"):
         machine.leg(tmp_path, joints=("hip", "knee", "front_pin"))
+    with pytest.raises(NotSupportedError, match="studies simulate trees"):  # whose plan alone takes minutes
+        LegText.of(machine.leg(tmp_path))
 
 
 def test_a_moving_base_gives_the_torque_that_its_motion_causes(tmp_path):

@@ -50,7 +50,7 @@ def test_what_one_system_has_is_used_in_one_place():
 def test_logs_are_read_and_legs_identified_as_on_macos(tmp_path):
     """In a process that takes this system for macOS; a child without bounds reads the file of MATLAB."""
     code = (
-        "import sys, numpy, scipy.io, scipy.signal, pinocchio, rich, lxml.etree\n"
+        "import sys, numpy, scipy.io, scipy.signal, pinocchio, rich, lxml.etree, joblib\n"
         "sys.platform = 'darwin'\n"
         "import exoid\n"
         "data = exoid.datasets.bleex_swing()\n"

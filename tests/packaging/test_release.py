@@ -54,7 +54,7 @@ def test_the_recipe_has_the_dependencies_of_the_project(project):
 
 def test_the_recipe_bounds_what_the_extras_need(project):
     extras = project["optional-dependencies"]
-    wanted = on_conda([each for name in ("io", "ground", "stance", "view", "robots") for each in extras[name]])
+    wanted = on_conda([each for name in ("io", "ground", "stance", "view", "robots", "scale") for each in extras[name]])
     wanted = {(name, bound) for name, bound in wanted if name != "example-robot-data-loaders"}
     assert stripped(listed(RECIPE.read_text(encoding="utf-8"), "run_constraints")) == wanted
 

@@ -2,21 +2,27 @@
 
 import json
 import os
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import exoid
+from exoid.errors import ExoidError
 from exoid.experiments import cuhk
 from exoid.experiments.excitation import MotionLimits
 from exoid.experiments.excitation.scales import Scales
+from exoid.lab.study import (
+    LegText,
+    Noise,
+    Protocol,
+    Study,
+    document,
+    plausible_truth,
+    run_study,
+)
+from exoid.lab.study.replicates import run_chunk
 from exoid.torques import DEFAULT_TERMS, Coulomb, TorqueModel
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from virtual_legs import Noise, Protocol, Study, document, plausible_truth, run_chunk, run_study
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 LEG = exoid.load_leg("cuhk")
@@ -29,7 +35,7 @@ MIXED = Noise("mixed", STD, share=0.8)
 def study(**changes):
     motion = cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
     protocol = Protocol("multisine", (motion,), 12.0)
-    plain = Study("cuhk", DEFAULT_TERMS, TRUTH, (protocol,), (MIXED,), replicates=6, chunk=2, seed=4)
+    plain = Study(LegText.of(LEG), DEFAULT_TERMS, TRUTH, (protocol,), (MIXED,), replicates=6, chunk=2, seed=4)
     return replace(plain, **changes)
 
 
@@ -79,6 +85,8 @@ def test_a_motion_of_a_protocol_is_its_reference():
         np.testing.assert_allclose(states.q[k], motion.at(k / 50.0).q[:, 0], atol=1e-12)
         np.testing.assert_allclose(states.v[k], motion.at(k / 50.0).v[:, 0], atol=1e-12)
         np.testing.assert_allclose(states.a[k], motion.at(k / 50.0).a[:, 0], atol=1e-12)
+    with pytest.raises(ExoidError, match="no document moved"):
+        document(exoid.Leg.from_description(LEG.description, ("right_hip",)), 60.0)
 
 
 def test_a_study_is_what_its_replicates_are(result):
@@ -126,7 +134,7 @@ def distances(estimators, std, share=1.0):
     smooth = (Coulomb(), *DEFAULT_TERMS[1:])  # takes friction at reversals for known, as the bound does
     whole = study(terms=smooth, noises=noises, replicates=replicates, chunk=20, estimators=estimators, cutoff=20.0)
     (motion,) = whole.protocols
-    what = replace(whole, protocols=(motion._replace(seconds=share * motion.seconds),))
+    what = replace(whole, protocols=(replace(motion, seconds=share * motion.seconds),))
     errors = np.concatenate([run_chunk(what, k).values for k in range(len(what.chunks))], axis=1) - TRUTH
     return np.einsum("erp,pq,erq->er", errors, whole.information(0, 0), errors) / len(TRUTH)
 
@@ -156,6 +164,25 @@ def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_toget
 @pytest.mark.slow
 def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"estimators": ("best",)}, "estimators best"),
+        ({"replicates": 1}, "replicates is 1"),
+        ({"replicates": 10**12}, "replicates is 1000000000000"),
+        ({"truth": (1.0,)}, "1 true parameters"),
+        ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
+    ],
+)
+def test_studies_that_make_no_sense_are_refused(changes, words):
+    with pytest.raises(ExoidError, match=words):
+        study(**changes)
+    with pytest.raises(ExoidError, match="share"):
+        Noise("n", STD, share=2.0)
+    with pytest.raises(ExoidError, match="at least one"):
+        run_study(study(), workers=0)
 
 
 @pytest.mark.slow

@@ -1,0 +1,57 @@
+"""Replicates of one chunk of a study: recording and identification."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from exoid._typing import FloatArray
+from exoid.experiments.references import States
+from exoid.identification import identify
+from exoid.signals import Recording
+
+from .design import Chunk, Study
+
+
+class Outcomes(NamedTuple):
+    """Results of the replicates of a chunk; E estimators, R replicates, P parameters."""
+
+    values: FloatArray  # estimates, (E, R, P)
+    std: FloatArray  # standard deviations that the estimates state, (E, R, P)
+    inside: NDArray[np.bool_]  # whether 95 % intervals contain the truth, (E, R, P)
+
+
+def run_chunk(study: Study, number: int) -> Outcomes:
+    """Record and identify the replicates of a chunk; the result is bit-identical in any process."""
+    chunk, truth, model = study.chunks[number], np.array(study.truth), study.model
+    shape = (len(study.estimators), chunk.replicates, len(truth))
+    values, std, inside = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.bool_)
+    with threadpool_limits(limits=1):
+        for k, recordings in enumerate(_recorded(study, chunk)):
+            for e, name in enumerate(study.estimators):
+                estimate = identify(model.leg, recordings, study.terms, name, cutoff=study.cutoff, check=False)
+                low, high = estimate.interval(0.95).T  # probability level of the intervals
+                values[e, k], std[e, k] = estimate.values, estimate.std
+                inside[e, k] = (low <= truth) & (truth <= high)
+    return Outcomes(values, std, inside)
+
+
+def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:
+    """Recordings of each replicate."""
+    noise, protocol = study.noises[chunk.noise], study.protocols[chunk.protocol]
+    clean = [_exactly(study, protocol.states(k, study.rate)) for k in range(len(protocol.motions))]
+    for replicate in range(chunk.replicates):
+        rng = np.random.default_rng([study.seed, chunk.protocol, chunk.noise, chunk.first + replicate])
+        yield [replace(log, tau=tau + noise.draw(rng, len(log), study.rate)) for log, tau in clean]
+
+
+def _exactly(study: Study, states: States) -> tuple[Recording, FloatArray]:
+    """Recording of a motion, and its torque without noise."""
+    time = np.arange(len(states.q)) / study.rate
+    tau = study.model.regressor(*states) @ np.array(study.truth)
+    return Recording(time, *states, tau, joint_names=study.model.leg.joint_names), tau
