@@ -13,12 +13,13 @@ import numpy as np
 
 from exoid._version import __version__
 from exoid.codegen.dialect import ABSURD, Dialect, identifier
-from exoid.codegen.law_in_c import LawInC, law_in_c, per_joint
+from exoid.codegen.law_in_c import LawInC, law_in_c
 from exoid.codegen.law_source import law_source
 from exoid.codegen.safety import Safety
 from exoid.codegen.source import CSource
 from exoid.codegen.templates import fill
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.joint_numbers import for_joints
 
 from .folder import write_folder
 
@@ -126,7 +127,7 @@ def _values(law: LawInC, name: str, safety: Safety) -> dict[str, Any]:
     """Values of the templates."""
     inputs = [each.name for each in law.inputs]
     kinds = [CHANNELS[each][0] for each in inputs]
-    limits = np.minimum(per_joint(law.limit, "limit", len(law.joints)), ABSURD)
+    limits = np.minimum(for_joints(law.limit, len(law.joints), "limit"), ABSURD)
     return {
         "p": name,
         "P": name.upper(),
