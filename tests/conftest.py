@@ -110,7 +110,7 @@ def side(request):
 @pytest.fixture
 def forgetful(monkeypatch):
     """Registries that have afterwards what they had before."""
-    monkeypatch.setattr(TERMS, "_registered", dict(TERMS._registered))
+    monkeypatch.setattr(TERMS, "classes", dict(TERMS.classes))
 
 
 @pytest.fixture(scope="session")

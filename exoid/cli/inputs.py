@@ -158,11 +158,11 @@ def _wrench_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
 
 def given_terms(text: str | None) -> tuple[Term, ...] | None:
     """Turn "coulomb,viscous" into terms, "none" into no terms; None stays None, for the default."""
-    from exoid.torques.catalog import term_by_name  # noqa: PLC0415
+    from exoid.torques.catalog import TERMS  # noqa: PLC0415
 
     if text is None:
         return None
-    return () if text.strip() == "none" else tuple(term_by_name(name.strip()) for name in text.split(","))
+    return () if text.strip() == "none" else tuple(TERMS.default(name.strip()) for name in text.split(","))
 
 
 def read_drives(options: LogOptions, leg: Leg) -> Actuators | None:

@@ -20,7 +20,7 @@ from exoid.signals.preparation import preparation_from_json, preparation_to_json
 from exoid.tools.files import read_json, refuse_content, write_whole
 from exoid.tools.json_values import json_value, named, record, records
 from exoid.torques import TorqueModel
-from exoid.torques.catalog import term_from_json, term_to_json
+from exoid.torques.catalog import TERMS
 
 from .data import EstimateData, Input
 from .evidence import Evidence
@@ -94,7 +94,7 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         ],
         **({"columns": dict(estimate.columns)} if estimate.columns else {}),
         "shapes": _shapes_to_json(estimate.nonlinear, estimate.dof) if len(estimate.nonlinear) else {},
-        "terms": [term_to_json(term) for term in model.terms],
+        "terms": [TERMS.to_json(term) for term in model.terms],
         "leg": {
             "name": leg.description.name,
             "sha256": leg.description.sha256,
@@ -128,7 +128,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         )
     if not isinstance(data["warnings"], list) or not all(isinstance(text, str) for text in data["warnings"]):
         raise UnreadableInputError("warnings are not a list of sentences", remedy="identify again and save")
-    terms = tuple(term_from_json(term) for term in data["terms"])
+    terms = tuple(TERMS.from_json(term) for term in data["terms"])
     model = TorqueModel(leg, terms, separate=tuple(data["values"]))
     if tuple(data["values"]) != model.names:
         raise UnreadableInputError(

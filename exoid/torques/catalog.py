@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, TypeVar, overload
+from collections.abc import Callable
+from typing import TypeVar, overload
 
 from exoid.errors import BadArgumentError
 from exoid.tools.registry import Registry
-from exoid.tools.settings import named_default, named_from_json, named_to_json, refuse_unwritable_class
 
 from .couplings import CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
@@ -23,23 +22,11 @@ DEFAULT_TERMS: tuple[Term, ...] = (
 """Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
 that does not."""
 
-KEY = "term"
-"""Key of a term's name in files."""
-
 Kind = TypeVar("Kind", bound=type[Term])
 
 
-def _check(kind: type[Term]) -> None:
-    """Refuse anything that is not a type of term."""
-    if not (isinstance(kind, type) and issubclass(kind, Term)):
-        raise BadArgumentError(
-            f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term"
-        )
-    refuse_unwritable_class(KEY, kind)
-
-
-TERMS: Registry[type[Term]] = Registry("term", "exoid.torques.register_term", _check)
-"""Types of term by name: those of exoid, and those that were registered."""
+TERMS: Registry[Term] = Registry("term", "exoid.torques.register_term")
+"""Types of term by name, for files and the command line: those of exoid, and those that were registered."""
 
 
 @overload
@@ -74,11 +61,15 @@ def register_term(name: str, kind: Kind | None = None) -> Kind | Callable[[Kind]
         ...     '''Drag of a fluid, τ = d |v| v.'''
         ...     def fill(self, motion, out):
         ...         out[0] = abs(motion.v) * motion.v
-        >>> term_from_json(term_to_json(Drag(joints=("knee",))))
+        >>> TERMS.from_json(TERMS.to_json(Drag(joints=("knee",))))
         Drag(joints=('knee',))
     """
     if kind is None:
         return lambda kind: register_term(name, kind)
+    if not (isinstance(kind, type) and issubclass(kind, Term)):
+        raise BadArgumentError(
+            f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term"
+        )
     TERMS.register(name, kind)
     return kind
 
@@ -93,18 +84,3 @@ register_term("offset", Offset)
 register_term("stiffness", Stiffness)
 register_term("stribeck", Stribeck)
 register_term("viscous", Viscous)
-
-
-def term_by_name(name: str) -> Term:
-    """Make a term with its default settings."""
-    return named_default(TERMS, name)
-
-
-def term_to_json(term: Term) -> dict[str, Any]:
-    """Describe a term by its name and settings, and by its module if that is not of exoid."""
-    return named_to_json(TERMS, KEY, term)
-
-
-def term_from_json(data: Mapping[str, Any]) -> Term:
-    """Make a term from its description."""
-    return named_from_json(TERMS, KEY, data)

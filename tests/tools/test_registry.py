@@ -1,54 +1,109 @@
-"""Names that other packages add to: taken ones are refused, unknown ones are named."""
+"""Classes by name, and their settings in files: what was written comes back exactly; the rest is refused before."""
 
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from exoid.errors import ExoidError
 from exoid.tools.registry import Registry
 
 
-def refuse_empty(thing):
-    if not thing:
-        raise ExoidError("an empty thing", remedy="fill it")
+@dataclass(frozen=True)
+class Inner:
+    """A setting that has parts."""
+
+    number: float = 1.0
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Anything with a setting."""
+
+    setting: Any = 0
+    derived: float = field(init=False, default=2.0)
+
+
+@dataclass(frozen=True)
+class Demanding:
+    """It has no default."""
+
+    setting: float
 
 
 def registry():
-    made = Registry("thing", "exoid.register_thing", refuse_empty)
-    made.register("built-in", "ours")
+    made = Registry("thing", "exoid.register_thing")
+    made.register("thing", Thing)
+    made.register("demanding", Demanding)
     return made
 
 
-def test_a_registered_thing_is_found_and_listed():
-    things = registry()
-    assert things.register("theirs", "a") == "a"
-    assert things.find("theirs") == things["theirs"] == "a"
-    assert list(things) == ["built-in", "theirs"]
-    assert len(things) == 2
-    assert things.name_of("a") == "theirs"
-    assert things.name_of("b") is None
-    assert "theirs" in things
-    assert "other" not in things
-    assert things.get("other") is None
-    assert repr(things) == "<things: built-in, theirs>"
+def exact(one, other):
+    """Whether two settings are of the same types and values, with the sign of zero."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(exact, one, other))
+    return repr(one) == repr(other) and one == other
+
+
+PLAIN = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False), st.text())
+SETTINGS = st.recursive(PLAIN, lambda inner: st.lists(inner, max_size=3).map(tuple), max_leaves=8)
+
+
+@given(setting=SETTINGS)
+def test_settings_come_back_exactly(setting):
+    text = json.dumps(registry().to_json(Thing(setting)), allow_nan=False, ensure_ascii=False)
+    again = registry().from_json(json.loads(text.encode()))
+    assert exact(again.setting, setting)
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        *(np.zeros(3), np.float32(0.1), np.int64(1), np.nan, np.inf, 1j),
+        *([1.0], {"a": 1.0}, {1, 2}, (1, [2]), b"a", "\udc80", print),
+    ],
+    ids=ascii,
+)
+def test_what_json_cannot_hold_exactly_is_refused_with_advice(setting):
+    with pytest.raises(ExoidError, match=r"Thing\(setting=.*\) cannot be written to a file.*or tuples of these"):
+        registry().to_json(Thing(setting))
+
+
+def test_a_class_without_a_name_is_refused_with_the_call_that_gives_one():
+    with pytest.raises(ExoidError, match=r"Inner has no name in files.*exoid\.register_thing\(\"name\", Inner\)"):
+        registry().to_json(Inner())
+
+
+def test_a_class_by_name_needs_defaults():
+    assert registry().default("thing") == Thing()
+    with pytest.raises(ExoidError, match=r"'demanding' cannot be made without settings .*pass Demanding\(\.\.\.\)"):
+        registry().default("demanding")
 
 
 def test_a_name_that_is_taken_is_refused_and_both_are_named():
     things = registry()
-    with pytest.raises(ExoidError, match=r"the thing 'built-in' exists: 'ours'.*give 'theirs' another name"):
-        things.register("built-in", "theirs")
-    assert things.find("built-in") == "ours"
-    things.register("built-in", "ours")  # the same once more
+    with pytest.raises(ExoidError, match=r"the thing 'thing' exists: .*\.Thing.*give .*\.Demanding another name"):
+        things.register("thing", Demanding)
+    things.register("thing", Thing)  # the same once more
+    assert things.find("thing") is Thing
 
 
-@pytest.mark.parametrize("name", ["", "a b", "a,b", "-a", "a/b", None, 3, refuse_empty])
+@pytest.mark.parametrize("name", ["", "a b", "a,b", "-a", "a/b", None, 3, print])
 def test_what_cannot_be_a_name_is_refused(name):
     with pytest.raises(ExoidError, match=r"is no name for a thing.*exoid\.register_thing\(\"name\""):
-        registry().register(name, "a")
+        registry().register(name, Thing)
 
 
-@pytest.mark.parametrize("name", ["other", "", None, ["built-in"]])
+@pytest.mark.parametrize("name", ["other", "", None, ["thing"]])
 def test_an_unknown_name_says_what_there_is_and_how_to_make_it_known(name):
     with pytest.raises(ExoidError) as caught:
         registry().find(name)
     assert caught.value.what == f"no thing {name!r}"
-    assert "use some of built-in" in caught.value.remedy
+    assert "use some of demanding, thing" in caught.value.remedy
     assert f"exoid.register_thing({name!r}, ...)" in caught.value.remedy

@@ -11,7 +11,7 @@ from planar_chains import random_motion
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.torques import JointMotion, LoadFriction, Presliding, Stribeck, TorqueModel
-from exoid.torques.catalog import term_from_json, term_to_json
+from exoid.torques.catalog import TERMS
 from exoid.torques.linearised import Linearised
 
 DRY = (
@@ -129,7 +129,7 @@ def test_friction_with_positive_parameters_takes_energy_out_at_every_moment(term
 @pytest.mark.parametrize("presliding", [0.0, 1e-3])
 @given(seeds)
 def test_friction_in_a_mirror_is_friction_with_the_other_sign(term, presliding, seed):
-    term = term_from_json({**term_to_json(term), "presliding": presliding})
+    term = TERMS.from_json({**TERMS.to_json(term), "presliding": presliding})
     q, v = wander(seed, 50)
     load = np.random.default_rng(seed).standard_normal(50)
     np.testing.assert_allclose(columns(term, q=-q, v=-v, load=-load), -columns(term, q=q, v=v, load=load), atol=1e-15)
@@ -184,7 +184,7 @@ def test_a_term_survives_a_round_trip_through_json(first, second, band, yes):
         *(Viscous(), Armature(), Offset(joints=("hip",)), Stiffness(degree=4, joints=("knee",))),
     ]
     for term in terms:
-        assert term_from_json(json.loads(json.dumps(term_to_json(term), allow_nan=False))) == term
+        assert TERMS.from_json(json.loads(json.dumps(TERMS.to_json(term), allow_nan=False))) == term
 
 
 def test_a_linearised_model_has_the_derivatives_of_the_torque():

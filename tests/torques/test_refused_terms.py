@@ -16,7 +16,7 @@ from exoid.torques import (
     Stribeck,
     TorqueModel,
 )
-from exoid.torques.catalog import term_by_name, term_from_json, term_to_json
+from exoid.torques.catalog import TERMS
 
 LEG = exoid.load_leg("cuhk")
 BOTH = ("hip", "knee")
@@ -65,13 +65,13 @@ SETTINGS = {
     "the same twice": lambda: TorqueModel(LEG, (spring(), spring())),
     "load of several joints": lambda: TorqueModel(LEG, (Loaded(joints=BOTH, ratios=(1.0, 1.0)),)),
     "regrouped of other terms": lambda: replace(TorqueModel(LEG, (Armature(),)), terms=(Viscous(),)),
-    "no name in files": lambda: term_to_json(Magnet()),
-    "unknown name": lambda: term_by_name("magnet"),
-    "no name": lambda: term_from_json({}),
-    "name of another type": lambda: term_from_json({"term": ["coulomb"]}),
-    "setting of another term": lambda: term_from_json({"term": "viscous", "smoothing": 0.1}),
-    "setting of text": lambda: term_from_json({"term": "coulomb", "smoothing": "slow"}),
-    "half an open setting": lambda: term_from_json({"term": "stribeck", "velocity": {"start": 1.0}}),
+    "no name in files": lambda: TERMS.to_json(Magnet()),
+    "unknown name": lambda: TERMS.default("magnet"),
+    "no name": lambda: TERMS.from_json({}),
+    "name of another type": lambda: TERMS.from_json({"term": ["coulomb"]}),
+    "setting of another term": lambda: TERMS.from_json({"term": "viscous", "smoothing": 0.1}),
+    "setting of text": lambda: TERMS.from_json({"term": "coulomb", "smoothing": "slow"}),
+    "half an open setting": lambda: TERMS.from_json({"term": "stribeck", "velocity": {"start": 1.0}}),
 }
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from exoid import Armature, Coulomb, ExoidError, Offset, Stiffness, Viscous
 from exoid.torques import DEFAULT_TERMS, CoordinateTerm, JointMotion, Term
-from exoid.torques.catalog import TERMS, term_by_name, term_to_json
+from exoid.torques.catalog import TERMS
 
 NAMES = ("left_hip", "left_knee", "left_ankle")
 
@@ -73,11 +73,11 @@ def test_samples_within_the_dead_band_are_unusable_and_their_column_is_zero():
 
 
 def test_every_term_has_a_name_and_the_defaults_are_among_them():
-    for name, kind in TERMS.items():
+    for name, kind in TERMS.classes.items():
         if issubclass(kind, CoordinateTerm):  # has no joints by default
             with pytest.raises(ExoidError, match=r"cannot be made without settings .*ratios"):
-                term_by_name(name)
+                TERMS.default(name)
             continue
-        assert term_by_name(name) == kind()
-        assert term_to_json(kind())["term"] == name
-    assert {type(term) for term in DEFAULT_TERMS} <= set(TERMS.values())
+        assert TERMS.default(name) == kind()
+        assert TERMS.to_json(kind())["term"] == name
+    assert {type(term) for term in DEFAULT_TERMS} <= set(TERMS.classes.values())

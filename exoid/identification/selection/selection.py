@@ -25,7 +25,7 @@ from exoid.signals import Recording, ZeroPhase
 from exoid.signals.cutoff import choose_cutoff
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import DEFAULT_TERMS, Armature, Term
-from exoid.torques.catalog import term_to_json
+from exoid.torques.catalog import TERMS
 
 from .by_joint import Candidate, select_by_joint
 from .patterns import JointFriction
@@ -95,7 +95,7 @@ class Selection:
             "folds": self.folds,
             "joint_names": list(self.leg.joint_names),
             "chosen": self.candidate.name,
-            "terms": [term_to_json(term) for term in self.candidate.terms],
+            "terms": [TERMS.to_json(term) for term in self.candidate.terms],
             "known": dict(self.candidate.known),
             "joints": [{**joint._asdict(), "coefficients": list(joint.coefficients)} for joint in self.joints],
             "warnings": list(self.warnings),
