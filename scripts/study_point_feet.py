@@ -67,6 +67,7 @@ def world(text: str) -> mujoco.MjModel:
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10.0, 10.0, 0.1])
     for geom in spec.geoms:
         geom.friction, geom.condim, geom.solref = [0.8, 0.0, 0.0], 3, [0.004, 1.0]
+        geom.density = 0.0
     for joint in spec.joints:
         if joint.type == mujoco.mjtJoint.mjJNT_HINGE:
             spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)

@@ -2,6 +2,7 @@
 
     python scripts/study_rail.py --seeds 8           # seeds from 1000, about half a minute each on one core
     python scripts/study_rail.py --radius 0.015      # a ball of that radius [m], said to be a point: its centre
+    python scripts/study_rail.py --radius 0.015 --said 0.015     # and said to be a ball
 
 Each seed has a hopper of its own: masses, lengths, rotors, friction of joints and rail. It stands on a point and moves
 along a vertical rail. The force under the foot is measured in the training alone; the test has a foot switch. Noise:
@@ -89,6 +90,7 @@ class Hopper:
         spec.worldbody.first_body().add_joint(name="base_z", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
         for geom in spec.geoms:
             geom.friction, geom.condim, geom.solref = [1.0, 0.0, 0.0], 3, [0.004, 1.0]
+            geom.density = 0.0
         rotors = np.append(0.0, self.armature)
         for name, *values in zip(("base_z", "hip", "knee"), rotors, self.coulomb, self.viscous, strict=True):
             joint = spec.joint(name)
@@ -134,6 +136,7 @@ class Run:
     q: np.ndarray
     tau: np.ndarray
     force: np.ndarray
+    radius: float
 
     def recording(self, rng: np.random.Generator, *, plate: bool) -> exoid.Recording:
         """Log of the sensors, with the force or with a foot switch."""
@@ -150,13 +153,14 @@ class Run:
                 np.sin(turned) * force[:, 0] + np.cos(turned) * force[:, 2],
             ]
         )
+        lowest = self.radius * np.column_stack([np.sin(turned), 0.0 * turned, -np.cos(turned)])
         return exoid.Recording(
             self.time,
             q,
             tau=tau,
             joint_names=("base_z", "hip", "knee"),
             passive=("base_z",),
-            wrenches={"foot": exoid.Wrench(on_link, np.zeros_like(force))} if plate else {},
+            wrenches={"foot": exoid.Wrench(on_link, np.cross(lowest, on_link))} if plate else {},
             contacts={"foot": self.force[:, 2] > PRESSED},
         )
 
@@ -184,14 +188,14 @@ def simulate(hopper: Hopper, kind: str, seconds: float, rng: np.random.Generator
                 force += contact.frame.reshape(3, 3).T @ wrench[:3]
             rows.append((now * STEP, data.qpos.copy(), data.ctrl.copy(), force))
         mujoco.mj_step(model, data)
-    return Run(*(np.array(column) for column in zip(*rows, strict=True)))
+    return Run(*(np.array(column) for column in zip(*rows, strict=True)), hopper.radius)
 
 
-def figures(seed: int, radius: float = RADIUS) -> dict[str, float]:
+def figures(seed: int, radius: float = RADIUS, said: float = 0.0) -> dict[str, float]:
     """Figures of one seed."""
     rng = np.random.default_rng(seed)
     hopper = Hopper.drawn(rng, radius)
-    leg = exoid.Leg.from_description(describe(hopper.urdf, "hopper.urdf"), base="z", contacts={"foot": "point"})
+    leg = exoid.Leg.from_description(describe(hopper.urdf, "hopper.urdf"), base="z", contacts={"foot": said or "point"})
     runs = {kind: [simulate(hopper, kind, 20.0, rng) for _ in range(2)] for kind in ("jump", "press")}
     found = {}
     for train, test in (("jump", "press"), ("press", "jump")):
@@ -221,4 +225,4 @@ def figures(seed: int, radius: float = RADIUS) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    run_seeds(__doc__, figures, radius=RADIUS)
+    run_seeds(__doc__, figures, radius=RADIUS, said=0.0)

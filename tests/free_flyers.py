@@ -74,7 +74,7 @@ class Flight:
         """What an ideal IMU at the origin of the root link would see."""
         u, omega = self.v[:, :3], self.v[:, 3:6]
         g = np.einsum("nji,j->ni", self.rotations, self.model.gravity.linear)
-        return BaseKinematics(omega, self.a[:, 3:6], self.a[:, :3] + np.cross(omega, u) - g)
+        return BaseKinematics(omega, self.a[:, 3:6], self.a[:, :3] + np.cross(omega, u) - g, up=self.rotations[:, 2])
 
     def rows(self):
         """Force and moment on the base about its origin, in its axes, and joint torques, (N, 6 + n)."""

@@ -84,13 +84,16 @@ def parse_prior(pairs: Sequence[str] | None) -> dict[str, tuple[float, float]]:
 
 
 def parse_contacts(pairs: Sequence[str] | None) -> dict[str, Any]:
-    """Turn "LF_FOOT=point" into a kind by link, and "left_foot_heel=-0.08,0,-0.1" into the place of an edge."""
+    """Turn "LF_FOOT=point" into a kind by link, "LF_FOOT=0.02" into a radius, "foot_heel=-0.1,0,-0.1" into a place."""
 
-    def kind(text: str) -> str | tuple[float, ...]:
-        """Kind of a contact, or its place."""
-        return tuple(map(float, text.split(","))) if "," in text else text
+    def kind(text: str) -> str | float | tuple[float, ...]:
+        """Kind of a contact, its radius, or its place."""
+        numbers = () if text.isalpha() else tuple(map(float, text.split(",")))
+        return text if not numbers else numbers[0] if len(numbers) == 1 else numbers
 
-    form = "LINK=KIND or FOOT_heel=X,Y,Z, e.g. --contact LF_FOOT=point or --contact left_foot_toe=0.13,0,-0.1"
+    form = (
+        "LINK=KIND or RADIUS, or FOOT_heel=X,Y,Z, e.g. --contact LF_FOOT=point or --contact left_foot_toe=0.13,0,-0.1"
+    )
     return values_by_name(pairs, "--contact", kind, form)
 
 

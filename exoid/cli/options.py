@@ -95,7 +95,7 @@ class LegOptions(NamedTuple):
         Texts,
         Option(
             metavar="LINK=KIND",
-            help="How a foot rests: point, edge or flat (default); or FOOT_heel=X,Y,Z [m], FOOT_toe=…. Repeatable.",
+            help="How a foot rests: point, edge, flat, or on a ball of RADIUS [m]; or FOOT_heel=X,Y,Z. Repeatable.",
             rich_help_panel="log",  # few legs need it: shown with the options of logs
         ),
     ] = None

@@ -8,10 +8,9 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.signals import Recording
 from exoid.signals.contacts import LEAST_LOAD
-from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import link_placements
+from exoid.signals.moving_base import vertical
 from exoid.torques.contacts.kinds import foot_of
 from exoid.torques.contacts.stretches import Stretch
 
@@ -49,7 +48,7 @@ def _outside(estimate: EstimateData, stretch: Stretch) -> Iterator[tuple[str, Bo
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
     rows = np.flatnonzero(recording.mask)
-    q, up = recording.q[rows], _vertical(recording)[rows]
+    q, up = recording.q[rows], vertical(recording)[rows]
     held = {*stretch.links} & {leg.description.root_link, *recording.wrenches}
     feet = [] if held or recording.tau is None or not recording.measured.all() else stretch.links
     found = dict(zip(feet, stretch_forces(estimate, Ground([stretch]), stretch, feet), strict=True)) if feet else {}
@@ -66,14 +65,3 @@ def _outside(estimate: EstimateData, stretch: Stretch) -> Iterator[tuple[str, Bo
         # a planar leg does not tell the force to its side
         known = (seen.sum(axis=1) > (1 if leg.limbs else 2)) & (np.linalg.norm(of_base, axis=1) > half + LEAST_LOAD)
         yield foot, (known & (along - half > STEEPEST * (normal + half)))[down]
-
-
-def _vertical(recording: Recording) -> FloatArray:
-    """Direction upwards in the axes of the base, (N, 3); an accelerometer tells it without its quick part."""
-    base = recording.base
-    if base is None:
-        return np.tile([0.0, 0.0, 1.0], (len(recording), 1))
-    if base.pose is not None:
-        return base.pose.rotation[:, 2]
-    slow = slow_part(base.specific_force, recording.sample_rate, 0.5)
-    return np.asarray(slow / np.linalg.norm(slow, axis=1, keepdims=True))

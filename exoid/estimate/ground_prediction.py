@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import lowest_point
+from exoid.leg.torso import MovingBase
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg, source_of
@@ -32,10 +35,10 @@ from .torque_band import parameter_variance
 class GroundForce(NamedTuple):
     """Wrench of the ground on one link that rests, in level axes: z up, x and y those of the link at zero angles.
 
-    A point bears no moment, and an edge none about itself; both turn, and these axes turn with them. Where the base
-    does not float, the axes are those of the laboratory, as the angles say how the link stands. No joint torque
-    of a planar leg depends on the force to its side, nor on the moments that it causes. Components that torques do not
-    determine are zero with an infinite band.
+    A point bears no moment, nor a ball where it touches, nor an edge about itself; they turn, and these axes with them.
+    Where the base does not float, the axes are those of the laboratory, as the angles say how the link stands. No joint
+    torque of a planar leg depends on the force to its side, nor on the moments that it causes. Components that torques
+    do not determine are zero with an infinite band.
 
     Attributes:
         time: Samples at which the link rests [s], (N,).
@@ -188,7 +191,9 @@ def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> 
     wide = np.concatenate([columns, known.T[np.newaxis]])
     wide = _filtered(estimate, recording, wide)[..., rows]
     W, measured = wide[:-1].transpose(2, 1, 0), wide[-1].T
-    return _solve(estimate, leg, q[rows], feet, W, W @ estimate.values - measured)
+    base = motion.rows(rows).torso
+    jacobian = np.concatenate([_level_jacobian(leg, q[rows], link, base) for link in feet], axis=1)
+    return _solve(estimate, jacobian, [_borne(leg, link) for link in feet], W, W @ estimate.values - measured)
 
 
 def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray) -> FloatArray:
@@ -204,26 +209,26 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
 
 
 def _solve(
-    estimate: EstimateData, leg: Leg, q: FloatArray, feet: Sequence[str], W: FloatArray, excess: FloatArray
+    estimate: EstimateData, jacobian: FloatArray, borne: Sequence[FloatArray], W: FloatArray, excess: FloatArray
 ) -> _Solution:
     """Solve J_cᵀ w = W β − [0; τ] by weighted least squares at each sample, in level axes."""
-    jacobian = np.concatenate([_level_jacobian(leg, q, link) for link in feet], axis=1)
-    noise = np.append(np.zeros(leg.base_rows), estimate.residual_rms) ** 2
+    noise = np.append(np.zeros(estimate.model.leg.base_rows), estimate.residual_rms) ** 2
     doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
     size = np.maximum(np.sqrt(noise + doubt), np.finfo(np.float64).eps)  # a log without noise has rows without error
     inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
     through = inverse @ W
     variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
     seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
-    borne = np.concatenate([_borne(leg, link).diagonal() for link in feet])
     # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
-    std = np.where(seen > borne - 1e-6, np.sqrt(variance), np.inf)
+    whole = np.concatenate([each.diagonal() for each in borne])
+    std = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
     return _Solution(np.einsum("ncr,nr->nc", inverse, excess), std)
 
 
-def _level_jacobian(leg: Leg, q: FloatArray, link: str) -> FloatArray:
+def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: MovingBase | None) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
-    jacobian = leg.frame_jacobian(q, link)
+    point = lowest_point(leg, q, link, base.up if isinstance(base, BaseKinematics) else None)
+    jacobian = leg.frame_jacobian(q, link, point)
     turned = level_axes(leg, q, link)[:, np.newaxis] @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))
 

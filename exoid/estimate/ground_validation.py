@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
@@ -17,6 +18,7 @@ from exoid.regression.rows import for_leg, source_of
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
+from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate, reference_axes
 from exoid.torques.contacts.standing_base import LEVEL as TILT
@@ -153,11 +155,14 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
     axes, rows = support.axes, make_rows(support, recording, preparation)
     known = np.zeros_like(rows.tau) if rows.known is None else rows.known
     measured, predicted = rows.tau + known, rows.W @ estimate.values + known
-    q = recording.q[np.searchsorted(recording.time, rows.time)]
+    at = np.searchsorted(recording.time, rows.time)
+    q = recording.q[at]
     variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * _noise(estimate, support.row_names)
     variance = variance + wrench_variance(estimate, recording, preparation, q, links, axes)
     if axes is not None:
-        loop = eliminate(estimate.model.leg, links, q, axes).loop
+        base = base_during(recording, preparation)
+        base = base.rows(at) if isinstance(base, BaseKinematics) else None
+        loop = eliminate(estimate.model.leg, links, q, axes, base).loop
         assert loop is not None
         parts = (np.einsum("njr,nr->nj", loop, part) for part in (measured, predicted, known))
         measured, predicted, known = parts

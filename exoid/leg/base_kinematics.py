@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,20 +26,21 @@ class BaseKinematics:
     angular_velocity: FloatArray  # ω [rad/s], (N, 3)
     angular_acceleration: FloatArray  # ω̇ [rad/s²], (N, 3)
     specific_force: FloatArray  # f at the origin of the root link [m/s²], (N, 3)
+    up: FloatArray | None = None  # direction upwards, (N, 3), on which balls on the ground depend; None: along z
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
-        arrays = [np.asarray(getattr(self, field.name), dtype=np.float64) for field in fields(self)]
-        shapes = {array.shape for array in arrays}
-        if len(shapes) > 1 or arrays[0].shape[1:] != (3,):
+        arrays = {name: np.asarray(x, dtype=np.float64) for name, x in self._given.items()}
+        shapes = [array.shape for array in arrays.values()]
+        if len({*shapes}) > 1 or shapes[0][1:] != (3,):
             raise BadArgumentError(
-                f"motion of the base of shapes {', '.join(str(array.shape) for array in arrays)}",
-                remedy="pass three (N, 3) arrays in the axes of the base",
+                f"motion of the base of shapes {', '.join(map(str, shapes))}",
+                remedy="pass (N, 3) arrays in the axes of the base",
             )
-        if not all(np.isfinite(array).all() for array in arrays):
+        if not all(np.isfinite(array).all() for array in arrays.values()):
             raise BadArgumentError("the motion of the base is not finite", remedy="remove the NaN or infinite samples")
-        for field, array in zip(fields(self), arrays, strict=True):
-            object.__setattr__(self, field.name, array)
+        for name, array in arrays.items():
+            object.__setattr__(self, name, array)
 
     def __len__(self) -> int:
         return len(self.angular_velocity)
@@ -50,7 +51,12 @@ class BaseKinematics:
 
     def rows(self, rows: slice | NDArray[np.intp]) -> BaseKinematics:
         """Select samples."""
-        return BaseKinematics(*(getattr(self, field.name)[rows] for field in fields(self)))
+        return BaseKinematics(**{name: x[rows] for name, x in self._given.items()})
+
+    @property
+    def _given(self) -> dict[str, FloatArray]:
+        found = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: x for name, x in found.items() if x is not None}
 
     def specific_force_at(self, point: FloatArray) -> FloatArray:
         """Compute the specific force at another point of the base, f + ω̇ × r + ω × (ω × r)."""
@@ -59,7 +65,7 @@ class BaseKinematics:
 
     def moved(self, point: FloatArray) -> BaseKinematics:
         """Take the specific force at another point of the base."""
-        return BaseKinematics(self.angular_velocity, self.angular_acceleration, self.specific_force_at(point))
+        return replace(self, specific_force=self.specific_force_at(point))
 
     def in_plane(self, plane: Plane, hip: FloatArray) -> TorsoSamples:
         """Take the part of the motion that lies in the plane of a leg, in axes that turn with the base."""

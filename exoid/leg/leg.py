@@ -27,8 +27,8 @@ from .dynamics import (
     mass_matrix,
 )
 from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
-from .leg_data import Base, Contact, LegData, to_numbers, without_side
-from .link_frames import held_directions, link_frame
+from .leg_data import LARGEST_BALL, Base, Contact, LegData, to_numbers, without_side
+from .link_frames import held_directions, link_frame, lowest_point
 from .loops import Loops
 from .model import build_model, with_dynamic_parameters
 from .reduction.documented import documented_machine
@@ -59,7 +59,7 @@ class Leg(LegData):
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
         base: Base = "fixed",
-        contacts: Mapping[str, Contact | Sequence[float]] | None = None,
+        contacts: Mapping[str, Contact | float | Sequence[float]] | None = None,
         loops: str | Path | None = None,
     ) -> Leg:
         """Read a leg from a URDF file.
@@ -75,8 +75,9 @@ class Leg(LegData):
                 "x", "y" or "z" for a base on a rail along this axis of its: the first joint is ``base_z`` then, which
                 no recording has a torque of (``passive=("base_z",)``).
             contacts: Kind of contact of links that do not rest flat on the ground: "point" for a foot that holds its
-                origin, "edge" for a line through it, across the plane of the leg. For the heel and the toe of a foot,
-                ``<foot>_heel`` and ``<foot>_toe``, the place of that edge in the axes of the foot [m], (3,).
+                origin, a radius [m] for one that rolls on a ball about it, "edge" for a line through it, across the
+                plane of the leg. For the heel and the toe of a foot, ``<foot>_heel`` and ``<foot>_toe``, the place of
+                that edge in the axes of the foot [m], (3,).
             loops: TOML file of closed loops: pins, balls and welds between links, and the joints that follow from them,
                 which ``joints`` leaves out; see docs/loops.md. None without loops.
 
@@ -109,7 +110,7 @@ class Leg(LegData):
         locked: Mapping[str, float] | None = None,
         cumulative: bool = True,
         base: Base = "fixed",
-        contacts: Mapping[str, Contact | Sequence[float]] | None = None,
+        contacts: Mapping[str, Contact | float | Sequence[float]] | None = None,
         loops: Loops | None = None,
     ) -> Leg:
         """Build a leg from a description in memory.
@@ -137,7 +138,7 @@ class Leg(LegData):
             joints = joints if not joints or isinstance(joints, str) else (f"base_{base}", *joints)
             base = "fixed"
         locked = MappingProxyType(dict(locked or {}))
-        places = {link: place for link, place in (contacts or {}).items() if not isinstance(place, str)}
+        places = {link: each for link, each in (contacts or {}).items() if not isinstance(each, str | float | int)}
         description = add_edges(description, places) if places else description
         model = build_model(description, joints, locked, () if loops is None else loops.dependent)
         kinds = _contact_kinds(model, description, {**(contacts or {}), **dict.fromkeys(places, "edge")})
@@ -238,7 +239,7 @@ class Leg(LegData):
         Args:
             q: Joint angles [rad], (N, n).
             link: Name of a link in the URDF; the root link, or one fixed to another, too.
-            point: Place of the point in the axes of the link [m], (3,).
+            point: Place of the point in the axes of the link [m], (3,) or (N, 3).
 
         Returns:
             J, linear rows before angular, in the axes of the link, (N, 6, base_rows + n).
@@ -248,22 +249,28 @@ class Leg(LegData):
         """
         tree = self.tree_motion(*self.samples(q))
         frame = link_frame(self.model, self.description, link)
-        place = frame.placement * pin.SE3(np.eye(3), _point(point))
-        J = tree_jacobian(self._tree, tree.q, frame.body, place.inverse().action)
+        J = tree_jacobian(self._tree, tree.q, frame.body, frame.placement.inverse().action)
+        place = checked(point, "the point", ndim=2)
+        if place.shape not in ((3,), (len(J), 3)):
+            raise BadArgumentError(f"the point is {point!r}", remedy="pass three numbers [m] in the axes of the link")
+        if place.any():
+            J[:, :3] += np.cross(J[:, 3:], np.atleast_2d(place)[..., np.newaxis], axis=1)  # v + ω × p
         return project_columns(J, self._base_coordinates) if self.base == "floating" else tree.project(J)
 
-    def contact_jacobian(self, q: ArrayLike, link: str) -> FloatArray:
+    def contact_jacobian(self, q: ArrayLike, link: str, up: FloatArray | None = None) -> FloatArray:
         """Compute the Jacobian of what a link in contact with the ground keeps at zero.
 
         For a planar leg this is the velocity of the link's origin along the axes that point forward and up at the zero
         pose and turn with the link, and its rate of turn, positive like the pitch. Otherwise it is the twist of
         :meth:`frame_jacobian`. A link whose contact is an edge or a point may turn about it. These rows are left out,
-        and the others are along axes that point forward, sideward and up at the zero pose and turn with the link.
-        Columns of a floating base come first; for a flat contact they are an invertible matrix.
+        and the others are along axes that point forward, sideward and up at the zero pose and turn with the link. For
+        a ball they are those of its point of contact, which moves in the link. Columns of a floating base come first;
+        for a flat contact they are an invertible matrix.
 
         Args:
             q: Joint angles [rad], (N, n).
             link: Name of a link in the URDF.
+            up: Direction upwards in the axes of the root link, (N, 3), where a ball rests; None for their z axis.
 
         Returns:
             J, (N, c, base_rows + n) with c = 3 for a planar leg, otherwise 6; of an edge c = 2 or 5, of a point 2 or 3.
@@ -271,7 +278,7 @@ class Leg(LegData):
         Raises:
             ExoidError: The shape does not fit, or the URDF has no such link.
         """
-        J = self.frame_jacobian(q, link)
+        J = self.frame_jacobian(q, link, lowest_point(self, q, link, up))
         kind = self.contact_kind(link)
         if kind == "flat" and not self.limbs:
             return J
@@ -300,18 +307,6 @@ class Leg(LegData):
         still = np.zeros_like(q)
         return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
 
-    def gravity_of_tilted_torso(self, pitch: float) -> FloatArray:
-        """Compute gravity in the base frame of a tilted torso.
-
-        Args:
-            pitch: Tilt of the torso [rad].
-
-        Returns:
-            Gravity [m/s²], (3,).
-        """
-        _, lateral, _ = self.plane
-        return np.asarray(pin.exp3(pitch * lateral) @ self.model.gravity.linear)
-
     def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
         """Compute the placement of every segment frame in the base frame, of dependent joints of loops included.
 
@@ -339,17 +334,12 @@ class Leg(LegData):
         return SegmentPlacements(np.einsum("nij,nkjl->nkil", turn, upright.rotation), translation)
 
 
-def _point(point: ArrayLike) -> FloatArray:
-    place = checked(point, "the point")
-    if place.shape != (3,):
-        raise BadArgumentError(f"the point is {point!r}", remedy="pass three numbers [m] in the axes of the link")
-    return place
-
-
-def _contact_kinds(model: pin.Model, description: Description, kinds: Mapping[str, object]) -> Mapping[str, Contact]:
+def _contact_kinds(
+    model: pin.Model, description: Description, kinds: Mapping[str, object]
+) -> Mapping[str, Contact | float]:
     """Check the kind of contact of each link."""
     for link, kind in kinds.items():
-        link_frame(model, description, link)
+        body, _ = link_frame(model, description, link)
         foot, _, part = link.rpartition("_")
         if part in ("heel", "toe") and kinds.get(foot, "flat") != "flat":
             raise BadArgumentError(
@@ -357,7 +347,8 @@ def _contact_kinds(model: pin.Model, description: Description, kinds: Mapping[st
                 where=description.name,
                 remedy=f"leave the kind of {foot} out: on heel and toe together it is flat",
             )
-        if kind not in get_args(Contact):
-            known = ", ".join(get_args(Contact))
+        ball = isinstance(kind, float | int) and 0.0 < kind <= LARGEST_BALL and body >= 0
+        if not ball and kind not in get_args(Contact):
+            known = f"{', '.join(get_args(Contact))}, or for a ball on a joint its radius, up to {LARGEST_BALL:g} m"
             raise BadArgumentError(f"a contact of {link} of the kind {kind!r}", remedy=f"use one of {known}")
-    return MappingProxyType({**kinds})  # type: ignore[dict-item]  # each is a Contact
+    return MappingProxyType({**kinds})  # type: ignore[dict-item]  # each is a Contact, or a radius

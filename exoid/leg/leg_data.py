@@ -38,6 +38,9 @@ is "fixed".
 Contact = Literal["flat", "edge", "point"]
 """What of a link a contact holds: the whole sole, a line across it such as heel or toe, or the origin of the link."""
 
+LARGEST_BALL = 0.2
+"""Largest radius of a ball foot [m]; a larger one is in mm."""
+
 ROLES = ("hip", "knee", "ankle")
 """Joints of a person's leg, which gait and anthropometry know by these names."""
 
@@ -64,7 +67,7 @@ class LegData:
         machine: Planar geometry of the limbs; None if the leg is not planar.
         base: "moving" if the parameters are those that torques on a base that moves in space depend on: numerical ones,
             more than on a fixed base. "floating" if rows of the base come before those of the joints.
-        contacts: Kind of contact of links that do not rest flat.
+        contacts: Kind of contact of links that do not rest flat; of a ball its radius [m].
         closure: Loop equations of a machine with closed loops, whose joints are the independent ones; None without.
     """
 
@@ -75,7 +78,7 @@ class LegData:
     locked: Mapping[str, float] = field(default_factory=dict)
     cumulative: bool = True
     base: Base = "fixed"
-    contacts: Mapping[str, Contact] = field(default_factory=dict)
+    contacts: Mapping[str, Contact | float] = field(default_factory=dict)
     closure: Closure | None = None
 
     @property
@@ -138,9 +141,10 @@ class LegData:
             link: Name of a link in the URDF.
 
         Returns:
-            Its kind in :attr:`contacts`; "flat" for all others.
+            Its kind in :attr:`contacts`; "point" for a ball, "flat" for all others.
         """
-        return self.contacts.get(link, "flat")
+        kind = self.contacts.get(link, "flat")
+        return kind if isinstance(kind, str) else "point"
 
     @property
     def link_names(self) -> tuple[str, ...]:

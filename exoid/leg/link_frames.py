@@ -8,10 +8,12 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, nearest
 
 from .description import Description
+from .dynamics import joint_frames
+from .leg_data import LegData
 from .reduction import Plane
 
 
@@ -42,3 +44,19 @@ def held_directions(model: pin.Model, description: Description, link: str, plane
     turn = np.stack([plane.forward, plane.lateral, plane.up]) @ (data.oMi[body + 1] * placement).rotation
     turning = turn * np.array([[1.0], [-1.0], [1.0]])  # the pitch is positive about the negative lateral axis
     return np.block([[turn, np.zeros((3, 3))], [np.zeros((3, 3)), turning]])
+
+
+def ball_radius(leg: LegData, link: str) -> float:
+    """Radius of a link that rolls on the ground [m]; zero for all others."""
+    radius = leg.contacts.get(link, 0.0)
+    return 0.0 if isinstance(radius, str) else radius
+
+
+def lowest_point(leg: LegData, q: ArrayLike, link: str, up: FloatArray | None = None) -> FloatArray:
+    """Point of a ball that touches the ground, p = −r Rᵀ u, in the axes of the link, (N, 3); or the origin, (3,)."""
+    if not (radius := ball_radius(leg, link)):
+        return np.zeros(3)
+    body, placement = link_frame(leg.model, leg.description, link)
+    axes = joint_frames(leg.model, leg.tree_motion(*leg.samples(q)).q.T).rotation[body]
+    upwards = axes[2].T if up is None else np.einsum("ijn,ni->nj", axes, up)
+    return np.asarray(-radius * upwards @ placement.rotation)

@@ -91,6 +91,11 @@ def base_kinematics(base: MovingBase, count: int, plane: Plane, hip: FloatArray)
     return at_hip.moved(-hip)
 
 
+def tilted_gravity(plane: Plane, pitch: float) -> FloatArray:
+    """Gravity in the axes of a tilted torso [m/s²], (3,)."""
+    return np.asarray(-base_kinematics(TorsoMotion(pitch), 1, plane, np.zeros(3)).specific_force[0])
+
+
 def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> TorsoSamples:
     """Take the part of a motion that lies in the plane of the leg."""
     return base.samples(count) if isinstance(base, TorsoMotion) else _of_length(base, count).in_plane(plane, hip)

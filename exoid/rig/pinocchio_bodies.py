@@ -11,6 +11,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.closure import TreeMotion
 from exoid.leg.model import configuration
+from exoid.leg.torso import tilted_gravity
 
 from .plant import Plant
 
@@ -27,7 +28,7 @@ class PinocchioBodies:
             )
         leg = plant.leg.with_parameters(plant.parameters[:, 0])
         self.model = pin.Model(leg.model)
-        self.model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
+        self.model.gravity.linear = tilted_gravity(leg.plane, float(plant.pitch[0]))
         self.model.armature[:] = 0.0  # rotors are the stepper's
         self.data = self.model.createData()
         self._closure = leg.closure

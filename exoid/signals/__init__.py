@@ -4,7 +4,7 @@ from . import datasets
 from .base_motion import BaseMotion
 from .base_pose import BasePose, turn_upright
 from .column import Column
-from .contacts import contacts_from_wrench, settled
+from .contacts import contacts_from_wrench
 from .contacts_from_motion import contacts_from_motion
 from .cutoff import choose_cutoff
 from .differentiation import Kinematics, motion_edge
@@ -50,7 +50,6 @@ __all__ = [
     "motion_edge",
     "read_opensim",
     "read_opensim_forces",
-    "settled",
     "turn_upright",
     "without_torque_delay",
     "wrenches_on_links",

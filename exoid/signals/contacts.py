@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid._typing import ArrayLike, BoolArray, FloatArray
+from exoid._typing import ArrayLike, BoolArray
 from exoid.errors import BadArgumentError
 
 from . import checks
@@ -64,40 +64,6 @@ def contacts_from_wrench(wrench: Wrench, *, up: ArrayLike = (0.0, 0.0, 1.0)) -> 
     last = np.maximum.accumulate(np.where(above | below, np.arange(len(normal)), -1))
     before = not above[int(np.argmax(above | below))]
     return np.where(last >= 0, above[np.maximum(last, 0)], before)
-
-
-def settled(contact: ArrayLike, time: FloatArray, margin: float) -> BoolArray:
-    """Leave out touch-down and lift-off: select samples whose contact has lasted and will last some time.
-
-    What was before the first sample and after the last one is not known, so that the ends of the log are left out too.
-    ``settled(~contact, time, margin)`` are the samples in the air.
-
-    Args:
-        contact: Samples in contact, (N,).
-        time: Time stamps [s], (N,).
-        margin: Time after touch-down and before lift-off [s].
-
-    Returns:
-        The selected samples, (N,).
-
-    Raises:
-        ExoidError: The margin is negative, or lengths differ.
-
-    Example:
-        >>> settled([0, 1, 1, 1, 1, 1, 0, 1, 1], np.arange(9) * 0.01, 0.01).astype(int)
-        array([0, 0, 1, 1, 1, 0, 0, 0, 0])
-    """
-    if not margin >= 0.0:
-        raise BadArgumentError(f"a margin of {margin} s", remedy="give seconds, 0 for none")
-    touching = np.asarray(contact, dtype=np.bool_)
-    checks.refuse_shape(touching, time.shape, "contact")
-    edges = np.flatnonzero(np.diff(touching, prepend=False, append=False))
-    selected = np.zeros(len(time), dtype=np.bool_)
-    tolerance = 1e-6 * float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    for first, stop in zip(edges[::2], edges[1::2], strict=True):
-        span = time[first:stop]
-        selected[first:stop] = (span - span[0] >= margin - tolerance) & (span[-1] - span >= margin - tolerance)
-    return selected
 
 
 def depends_on_contacts(recording: Recording) -> bool:

@@ -9,6 +9,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import ball_radius
 
 from .cutoff import white_noise
 from .link_wrenches import link_placement
@@ -25,8 +26,9 @@ def contacts_from_motion(leg: Leg, recording: Recording, links: Iterable[str]) -
     """Find when the origins of links rest on level ground: they stand still, no more than 2 cm above it.
 
     A point stands still where its velocity over 40 ms is below 5 cm/s, or six standard deviations of the noise of its
-    place. Links ``<foot>_heel`` and ``<foot>_toe`` say which part of a foot is down; both together are a flat foot. The
-    ground is where points stand still at their lowest. A foot that hovers just above it without moving counts as down.
+    place; of a ball it is the point that touches. Links ``<foot>_heel`` and ``<foot>_toe`` say which part of a foot is
+    down; both together are a flat foot. The ground is where points stand still at their lowest. A foot that hovers just
+    above it without moving counts as down.
 
     Args:
         leg: The leg.
@@ -45,10 +47,12 @@ def contacts_from_motion(leg: Leg, recording: Recording, links: Iterable[str]) -
     """
     wide, found = max(2, round(WINDOW * recording.sample_rate)), {}
     for link in links:
-        place = link_placement(leg, recording, link).translation
+        rotation, place = link_placement(leg, recording, link)
         smooth = scipy.ndimage.uniform_filter1d(place, wide, axis=0, mode="nearest")
         smooth = scipy.ndimage.uniform_filter1d(smooth, wide, axis=0, mode="nearest")
-        speed = np.linalg.norm(np.gradient(smooth, recording.time, axis=0), axis=1)
+        turning = np.einsum("nij,nj->ni", np.gradient(rotation, recording.time, axis=0), rotation[:, 2])
+        velocity = np.gradient(smooth, recording.time, axis=0) - ball_radius(leg, link) * turning
+        speed = np.linalg.norm(velocity, axis=1)
         noise = float(np.linalg.norm(white_noise(place))) * np.sqrt(2.0 / wide) / WINDOW
         still = speed < max(SPEED, 6.0 * noise)
         ground = np.quantile(smooth[still, 2], 0.02) if still.any() else np.inf

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
+from exoid._typing import FloatArray
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS, twice_imaginary
+from .filters.low_pass import slow_part
 from .preparation import Preparation
 from .recording import Recording
+
+SLOW, TURNS = 0.2, 3
+"""Frequency [Hz] below which an accelerometer tells the vertical, and turns in which the gyroscope adds the rest."""
 
 
 def base_during(recording: Recording, preparation: Preparation) -> MovingBase | None:
@@ -32,9 +38,24 @@ def base_during(recording: Recording, preparation: Preparation) -> MovingBase | 
     smooth, slope, curvature, _ = preparation.kinematics(signals)
     if pose is None:
         at_sensor = BaseKinematics(smooth[:, :3], slope[:, :3], smooth[:, 3:])
-        return at_sensor.moved(-even.base.position)
+        return replace(at_sensor.moved(-even.base.position), up=vertical(even))
     size = np.linalg.norm(smooth[:, 3:], axis=1, keepdims=True)
     h, rate, change = (part[:, 3:] / size for part in (smooth, slope, curvature))
     force = curvature[:, :3] + (0.0, 0.0, GRAVITY)
     turned = scipy.spatial.transform.Rotation.from_quat(h).apply(force, inverse=True)
-    return BaseKinematics(twice_imaginary(h, rate), twice_imaginary(h, change), turned)
+    up = scipy.spatial.transform.Rotation.from_quat(h).apply([0.0, 0.0, 1.0], inverse=True)
+    return BaseKinematics(twice_imaginary(h, rate), twice_imaginary(h, change), turned, up)
+
+
+def vertical(recording: Recording) -> FloatArray:
+    """Find the direction upwards in the axes of the base, (N, 3): its quick part by the gyroscope, u̇ = −ω × u."""
+    base, rate = recording.base, recording.sample_rate
+    if base is None:
+        return np.tile([0.0, 0.0, 1.0], (len(recording), 1))
+    if base.pose is not None:
+        return base.pose.rotation[:, 2]
+    up = slow = slow_part(base.specific_force / GRAVITY, rate, SLOW)
+    for _ in range(TURNS):
+        turned = np.cumsum(np.cross(up, base.angular_velocity), axis=0) / rate
+        up = slow + turned - slow_part(turned, rate, SLOW)
+    return np.asarray(up / np.maximum(np.linalg.norm(up, axis=1, keepdims=True), np.finfo(np.float64).tiny))

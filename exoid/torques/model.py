@@ -245,14 +245,15 @@ class TorqueModel:
         motion = Motion(q, v, a, torso, internal_states(self.blocks, q, v), computed=computed)
         if not payloads:
             return motion
-        return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q))
+        return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q, torso))
 
-    def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
+    def row_payload(self, payload: FloatArray, q: FloatArray, base: MovingBase | None = None) -> FloatArray:
         """Torque of payloads in the rows of the equation.
 
         Args:
             payload: Torque of the leg's rows [N, N·m], (N, b + n).
             q: Joint angles [rad], (N, n).
+            base: Motion of the base, on which the place of ball feet depends.
 
         Returns:
             Torque of each row: as it is.

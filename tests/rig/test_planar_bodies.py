@@ -7,6 +7,7 @@ from planar_chains import random_chain, random_motion
 
 import exoid
 from exoid import Leg
+from exoid.leg.torso import tilted_gravity
 from exoid.rig.planar_bodies import PlanarBodies
 
 B = 30
@@ -42,7 +43,7 @@ def test_mass_matrix_and_bias_are_pinocchios(leg, motion):
     data = model.createData()
     torque = np.empty_like(q)
     for k in range(B):
-        model.gravity.linear = leg.gravity_of_tilted_torso(pitch[k])
+        model.gravity.linear = tilted_gravity(leg.plane, pitch[k])
         torque[k] = pin.nonLinearEffects(model, data, q[k], v[k])
     np.testing.assert_allclose(bias.T, torque, rtol=0, atol=1e-12 * np.abs(torque).max())
 
@@ -53,7 +54,7 @@ def test_energy_is_pinocchios_up_to_a_constant(leg, motion):
     data = model.createData()
     expected = np.empty((2, B))
     for k in range(B):  # the constant depends on the tilt: differences from the pose zero
-        model.gravity.linear = leg.gravity_of_tilted_torso(pitch[k])
+        model.gravity.linear = tilted_gravity(leg.plane, pitch[k])
         still = pin.computePotentialEnergy(model, data, pin.neutral(model))
         expected[0, k] = pin.computePotentialEnergy(model, data, q[k]) - still
         expected[1, k] = pin.computeKineticEnergy(model, data, q[k], v[k])

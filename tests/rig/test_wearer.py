@@ -13,6 +13,7 @@ import exoid
 from exoid.errors import ExoidError
 from exoid.experiments import Hold, healthy_gait
 from exoid.leg.description import describe
+from exoid.leg.torso import tilted_gravity
 from exoid.rig import (
     HydraulicServo,
     IdealTorque,
@@ -71,7 +72,7 @@ def coupled_by_pinocchio(plant, wearer, start, times):
     leg = plant.leg.with_parameters(plant.parameters[:, 0])
     models = [body.model.copy() for body in (leg, wearer.limb)]
     for model in models:
-        model.gravity.linear = leg.gravity_of_tilted_torso(float(plant.pitch[0]))
+        model.gravity.linear = tilted_gravity(leg.plane, float(plant.pitch[0]))
     datas, n = [model.createData() for model in models], plant.n
     k, d, km, dm = (
         np.broadcast_to(x, (n, 1))[:, 0]

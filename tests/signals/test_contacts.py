@@ -1,12 +1,10 @@
-"""Contacts from a force, the margin at touch-down and lift-off, and contacts that contradict a force."""
+"""Contacts from a force, and contacts that contradict a force."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from exoid import ExoidError, Recording, Wrench
-from exoid.signals import contacts_from_wrench, settled
+from exoid.signals import contacts_from_wrench
 from exoid.signals.external import refuse_contradictions
 
 TIME = np.arange(14700) / 1000.0
@@ -40,17 +38,6 @@ def test_an_impact_does_not_raise_the_thresholds():
     hit = 800.0 * STEPS
     hit[200:210] = 8000.0
     assert np.array_equal(contacts_from_wrench(foot(hit)), contacts_from_wrench(foot(800.0 * STEPS)))
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.lists(st.booleans(), min_size=2, max_size=60), st.integers(0, 6))
-def test_settled_samples_have_contact_on_both_sides_for_the_margin(values, margin):
-    """What a loop over neighbours finds: all samples within the margin exist and touch."""
-    contact, time = np.array(values), np.arange(len(values)) * 0.01
-    found = settled(contact, time, 0.01 * margin)
-    for k in range(len(values)):
-        around = range(k - margin, k + margin + 1)
-        assert found[k] == all(0 <= i < len(values) and contact[i] for i in around)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,6 @@ from exoid.signals import (
     MovingAverage,
     ZeroPhase,
     contacts_from_wrench,
-    settled,
     zero_phase,
 )
 from exoid.signals.differentiation import difference, smooth_motion
@@ -94,7 +93,6 @@ BAD_ARGUMENTS = {
     "nobody stands": lambda: contacts_from_wrench(load(2.0 * STEPS)),
     "into the ground": lambda: contacts_from_wrench(load(-800.0 * STEPS)),
     "always stands": lambda: contacts_from_wrench(load(400.0 + 300.0 * STEPS)),
-    "negative margin": lambda: settled(STEPS > 0.0, TIME, -0.1),
     "sensor of two": base(position=np.zeros(2)),
     "sensor in mm": base(position=(50.0, 0.0, 250.0)),
     "sensor nowhere": base(position=(np.nan, 0.0, 0.0)),

@@ -10,7 +10,10 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import ball_radius
+from exoid.leg.torso import MovingBase
 
 POSES = 5
 """Random poses of which the independent constraints are counted."""
@@ -56,12 +59,15 @@ class Elimination(NamedTuple):
 _kept: dict[Hashable, Elimination] = {}
 
 
-def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None = None) -> Elimination:
+def eliminate(
+    leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None = None, base: MovingBase | None = None
+) -> Elimination:
     """Find the rows that unknown wrenches on links leave."""
+    up = base.up if isinstance(base, BaseKinematics) and any(ball_radius(leg, link) for link in links) else None
     # Torque and columns of a recording ask for the same poses, and so do fits that differ in torque or sensor alone.
-    key = (leg, *links, q.shape, q.tobytes(), b"" if axes is None else axes.tobytes())
+    key = (leg, *links, q.shape, q.tobytes(), *(b"" if x is None else x.tobytes() for x in (axes, up)))
     if key not in _kept:
-        found = _eliminate(leg, links, q, axes)
+        found = _eliminate(leg, links, q, axes, up)
         _kept[key] = found
         while sum(part.nbytes for each in _kept.values() for part in each if part is not None) > KEPT_BYTES:
             del _kept[next(iter(_kept))]
@@ -69,7 +75,9 @@ def eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | 
     return _kept[key]
 
 
-def _eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None) -> Elimination:
+def _eliminate(
+    leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None, up: FloatArray | None
+) -> Elimination:
     """Find the rows, of poses that were not asked for just before."""
     # A flat link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with
     # C q̇ = 0. Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E
@@ -78,7 +86,7 @@ def _eliminate(leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray |
     # Constraints and their forces are those of Featherstone (2008, ch. 8), the projector that of Aghili (2005).
     # Mistry et al. (2010) find such rows by QR of J_cᵀ; all choices span the same space (Righetti et al. 2011).
     fit = np.ones(len(q), dtype=np.bool_)
-    lever, C = _constraints(leg, links, q)
+    lever, C = _constraints(leg, links, q, up)
     if C is None:
         return Elimination(lever, None, fit)
     squares, U = np.linalg.eigh(C @ np.swapaxes(C, 1, 2))
@@ -108,10 +116,12 @@ def _orthonormal(P: FloatArray, E: FloatArray) -> tuple[FloatArray, NDArray[np.b
     return PE @ roots, parts.min(axis=1, initial=1.0) > ALIGNED
 
 
-def _constraints(leg: Leg, links: Sequence[str], q: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
+def _constraints(
+    leg: Leg, links: Sequence[str], q: FloatArray, up: FloatArray | None = None
+) -> tuple[FloatArray | None, FloatArray | None]:
     """Form K of the first flat link, and C of the others; None for what there is not."""
     base = leg.base_rows
-    jacobians = [leg.contact_jacobian(q, link) for link in links]
+    jacobians = [leg.contact_jacobian(q, link, up) for link in links]
     flat = [k for k, link in enumerate(links) if leg.contact_kind(link) == "flat"]
     lever: FloatArray | None = None
     if base and flat:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import ball_radius, lowest_point
 from exoid.signals import BaseMotion
 from exoid.signals.cutoff import robust_std
 from exoid.signals.filters.low_pass import slow_part
@@ -52,11 +53,13 @@ def slipping(
     v = np.gradient(q, time, axis=0)
     if not base:
         for link, flags in rest.items():
-            twist = np.einsum("ncj,nj->nc", leg.frame_jacobian(q, link), v)
+            twist = np.einsum("ncj,nj->nc", leg.frame_jacobian(q, link, lowest_point(leg, q, link)), v)
             turns = (np.linalg.norm(twist[:, 3:], axis=1) > TILTING) & (leg.contact_kind(link) == "flat")
             slips |= flags & (turns | (np.linalg.norm(twist[:, :3], axis=1) > SLIDING))
     levers, places = dict[str, FloatArray](), dict[str, FloatArray]()
     for link in rest if base else ():
+        if ball_radius(leg, link):  # distances of balls that roll change
+            continue
         if leg.contact_kind(link) != "flat":
             places[link] = link_placements(leg, q, link).translation
             continue

@@ -16,7 +16,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import source_of
 from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
-from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench, settled
+from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import eliminate
@@ -114,7 +114,7 @@ def split(
     recording, late = on_time(leg, recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
-    lasting = np.logical_and.reduce([_lasting(flags, recording.time) for flags in rest.values()], initial=True)
+    lasting = ~np.any([_changing(flags, round(EDGE * recording.sample_rate)) for flags in rest.values()], axis=0)
     # A touch-down is a jolt, which the low-pass of the angles smears over so many samples on either side: both sides of
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
@@ -200,6 +200,12 @@ def _without_bias(
     return replace(raw, base=corrected), imu, slip
 
 
+def _changing(flags: BoolArray, samples: int) -> BoolArray:
+    """So many samples before and after each touch-down and lift-off; the ends of a log are none."""
+    changes = np.diff(flags, prepend=flags[:1])
+    return np.asarray(np.convolve(changes, np.ones(2 * samples))[samples : samples + len(flags)] > 0.5)
+
+
 def _widened(flags: BoolArray, samples: int) -> BoolArray:
     """Samples within a distance of those that are flagged."""
     return np.asarray(scipy.ndimage.binary_dilation(flags, iterations=samples))
@@ -265,13 +271,6 @@ def _patterns(resting: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[
         (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
         for k, pattern in enumerate(patterns)
     ]
-
-
-def _lasting(flags: BoolArray, time: FloatArray) -> BoolArray:
-    """Samples that are further than the edge from a touch-down or lift-off; the ends of a log are none."""
-    around = np.concatenate([[time[0] - 2.0 * EDGE], time, [time[-1] + 2.0 * EDGE]])
-    longer = np.concatenate([flags[:1], flags, flags[-1:]])
-    return (settled(longer, around, EDGE) | settled(~longer, around, EDGE))[1:-1]
 
 
 def _base(leg: Leg, recording: Recording, flat: Sequence[str]) -> BaseMotion | None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.leg.torso import MovingBase
 from exoid.signals import Wrench
 from exoid.torques.model import TorqueModel
 from exoid.torques.motion import Motion, random_base, random_motion
@@ -73,18 +74,18 @@ class SupportModel(TorqueModel):
         """Whether no link rests flat, so that base and joints form the rows together."""
         return self.axes is not None and len(self.axes) > len(self.joint_names)
 
-    def row_payload(self, payload: FloatArray, q: FloatArray) -> FloatArray:
+    def row_payload(self, payload: FloatArray, q: FloatArray, base: MovingBase | None = None) -> FloatArray:
         """Torque of payloads in the rows without the unknown wrenches."""
-        return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q)[0].T)
+        return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q, base)[0].T)
 
     def columns(self, motion: Motion) -> FloatArray:
         """Form the columns of all parameters for a motion, or for some rows of one."""
-        return self._reduced(super().columns(motion), motion.q)
+        return self._reduced(super().columns(motion), motion.q, motion.torso)
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation."""
         full = super().row_torque(tau, motion, wrenches)
-        return np.ascontiguousarray(self._reduced(full.T[np.newaxis], motion.q)[0].T)
+        return np.ascontiguousarray(self._reduced(full.T[np.newaxis], motion.q, motion.torso)[0].T)
 
     def row_shares(self, q: FloatArray) -> FloatArray | None:
         """Tell how the torque of each joint enters the rows."""
@@ -117,15 +118,15 @@ class SupportModel(TorqueModel):
             return np.hstack([of_joints[:, :base], shared[:, base:]])
         return joints if self.axes is None else shared
 
-    def _reduced(self, rows: FloatArray, q: FloatArray) -> FloatArray:
+    def _reduced(self, rows: FloatArray, q: FloatArray, base: MovingBase | None) -> FloatArray:
         """Combine rows (K, b + n, N) into those without unknown wrenches, or into the others."""
         if not self.links:
             return rows
-        elimination = eliminate(self.leg, self.links, q, self.axes)
+        elimination = eliminate(self.leg, self.links, q, self.axes, base)
         if not self.plates:
             return elimination.of(rows)
-        base = rows[:, : self.leg.base_rows]
+        free = rows[:, : self.leg.base_rows]
         if self.axes is None or elimination.loop is None:
-            return base
+            return free
         shared = elimination._replace(loop=load_sharing(elimination.loop, self.axes)).of(rows)
-        return shared if self._without_flat else np.concatenate([base, shared], axis=1)
+        return shared if self._without_flat else np.concatenate([free, shared], axis=1)

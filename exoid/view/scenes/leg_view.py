@@ -10,6 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
+from exoid.leg.torso import tilted_gravity
 
 from .arrows import draw_torques, draw_weights
 from .commands import Drawing, Layer, moving, set_transform
@@ -44,7 +45,7 @@ def view_leg(
     base = None if replay is None else Standing.of(geometry, replay)
     torso = geometry.skeleton.torso_placement(trajectory.pitch)
     if base is None:
-        down = align_z(geometry.leg.gravity_of_tilted_torso(trajectory.pitch))
+        down = align_z(tilted_gravity(geometry.leg.plane, trajectory.pitch))
         drawing = Drawing([set_transform(geometry.root, torso)])
     else:
         down = np.swapaxes(base.rotation, 1, 2) @ align_z((0.0, 0.0, -1.0))

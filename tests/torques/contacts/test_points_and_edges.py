@@ -15,6 +15,7 @@ from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInput
 from exoid.estimate import ground_forces
 from exoid.experiments.excitation import assess
 from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.link_frames import ball_radius
 from exoid.torques.contacts import level_rotation
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
@@ -32,30 +33,30 @@ def constrained(leg, feet, rng, samples=30):
     """Random states and torques, the acceleration of Pinocchio's constrained dynamics, and the forces on the feet."""
     flight = Flight.random(leg, rng, samples)
     model, n = flight.model, len(leg.joint_names)
-    constraints = pin.StdVec_RigidConstraintModel()
-    for foot in feet:
-        frame = model.frames[model.getFrameId(foot)]
-        one = pin.RigidConstraintModel(
-            pin.ContactType.CONTACT_3D, model, frame.parentJoint, frame.placement, pin.ReferenceFrame.LOCAL
-        )
-        constraints.append(one)
     data = model.createData()
-    inside = pin.StdVec_RigidConstraintData()
-    inside.extend(one.createData() for one in constraints)
-    pin.initConstraintDynamics(model, data, constraints, inside)
     torque = rng.normal(size=(samples, n)) * 20.0
     a, forces = np.empty_like(flight.v), np.empty((samples, len(feet), 3))
     settings = pin.ProximalSettings(1e-14, 1e-14, 0.0, 200)
-    for k in range(samples):
+    for k, q in enumerate(flight.q):
+        pin.framesForwardKinematics(model, data, q)
+        constraints, inside = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+        for foot in feet:
+            frame = model.getFrameId(foot)
+            lowest = -ball_radius(leg, foot) * data.oMf[frame].rotation[2]  # from the middle of a ball
+            place = model.frames[frame].placement * pin.SE3(np.eye(3), lowest)
+            joint, axes = model.frames[frame].parentJoint, pin.ReferenceFrame.LOCAL
+            constraints.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, joint, place, axes))
+            inside.append(constraints[-1].createData())
+        pin.initConstraintDynamics(model, data, constraints, inside)
         tau = np.concatenate([np.zeros(6), torque[k]])
-        a[k] = pin.constraintDynamics(model, data, flight.q[k], flight.v[k], tau, constraints, inside, settings)
+        a[k] = pin.constraintDynamics(model, data, q, flight.v[k], tau, constraints, inside, settings)
         forces[k] = [each.contact_force.linear for each in inside]
     return Flight(model, flight.q, flight.v, a), torque, forces
 
 
-@pytest.mark.parametrize("feet", [FEET[:1], FEET[1:3], FEET[:3], FEET])
-def test_pinocchios_constrained_dynamics_obey_the_rows_without_contact_forces(feet):
-    leg = quadruped()
+@pytest.mark.parametrize(("feet", "kind"), [(FEET[:1], "point"), (FEET[1:3], "point"), (FEET[:3], 0.05), (FEET, 0.03)])
+def test_pinocchios_constrained_dynamics_obey_the_rows_without_contact_forces(feet, kind):
+    leg = quadruped(kind)
     flight, torque, forces = constrained(leg, feet, np.random.default_rng(len(feet)))
     q, v, a = flight.joints
     axes = reference_axes(leg, feet, q)
@@ -181,7 +182,7 @@ def test_feet_on_points_do_not_say_how_the_base_moves():
         exoid.identify(quadruped(), replace(log, base=None, contacts=one), terms=())
 
 
-@pytest.mark.parametrize("contacts", [{"LF_PAW": "point"}, {"LF_FOOT": "ball"}])
+@pytest.mark.parametrize("contacts", [{"LF_PAW": "point"}, {"LF_FOOT": "ball"}, {"LF_FOOT": 20.0}])
 def test_contacts_of_no_link_or_no_kind_are_refused(contacts):
     with pytest.raises(BadArgumentError) as refused:
         exoid.Leg.from_urdf(urdf_of("anymal"), base="floating", contacts=contacts)

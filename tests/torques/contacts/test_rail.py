@@ -1,4 +1,4 @@
-"""A leg on a rail: its base is free along one axis, and its foot rests on a point of the ground."""
+"""A leg on a rail: its base is free along one axis, and its foot rolls on the ground, a ball of 15 mm."""
 
 import sys
 from dataclasses import replace
@@ -27,8 +27,8 @@ import study_rail as study
 
 @cache
 def hopper(base="z"):
-    drawn = study.Hopper.drawn(np.random.default_rng(5))
-    leg = exoid.Leg.from_description(describe(drawn.urdf, "hopper.urdf"), base=base, contacts={"foot": "point"})
+    drawn = study.Hopper.drawn(np.random.default_rng(5), 0.015)
+    leg = exoid.Leg.from_description(describe(drawn.urdf, "hopper.urdf"), base=base, contacts={"foot": drawn.radius})
     return drawn, leg
 
 
@@ -52,7 +52,7 @@ def test_a_rail_is_a_joint_before_the_others():
 
 
 def test_pinocchios_constrained_dynamics_obey_the_rows_of_a_point_under_a_rail():
-    leg, rng = hopper()[1], np.random.default_rng(0)
+    leg, rng = replace(hopper()[1], contacts={"foot": "point"}), np.random.default_rng(0)
     model = pin.buildModelFromXML(leg.description.plain)
     data, frame = model.createData(), model.frames[model.getFrameId("foot")]
     held = pin.RigidConstraintModel(
@@ -83,7 +83,7 @@ def test_pinocchios_constrained_dynamics_obey_the_rows_of_a_point_under_a_rail()
 def test_the_motion_says_when_a_foot_is_down():
     jumps = log("jump", seconds=4.0)
     found = signals.contacts_from_motion(hopper()[1], jumps, ("foot",))["foot"]
-    assert np.mean(found == jumps.contacts["foot"]) > 0.92
+    assert np.mean(found == jumps.contacts["foot"]) > 0.91  # taken for a point, it is 0.90
     touched, closed = (np.flatnonzero(np.diff(flags.astype(int)) > 0) for flags in (found, jumps.contacts["foot"]))
     assert len(touched) == 3  # the switch bounces
     assert np.abs(touched[:, None] - closed).min(axis=1).max() < 0.05 * jumps.sample_rate
@@ -99,7 +99,7 @@ def test_switches_alone_identify_a_hopper_and_its_rail(tmp_path):
     assert values["c0_base_z"] == pytest.approx(drawn.coulomb[0], rel=0.15)
     found.save(tmp_path / "est.json")
     again = Estimate.load(tmp_path / "est.json")
-    assert again.model.leg.joint_names == leg.joint_names
+    assert (again.model.leg.joint_names, again.model.leg.contacts) == (leg.joint_names, leg.contacts)
     force = ground_forces(again, log("press"))["foot"]
     true = run("press").force[np.searchsorted(run("press").time, force.time)]
     np.testing.assert_allclose(force.force.mean(axis=0), true.mean(axis=0), atol=0.02 * true[:, 2].mean())
