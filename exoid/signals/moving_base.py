@@ -15,12 +15,11 @@ from exoid.leg.torso import MovingBase
 
 from .base_motion import BASE_COLUMNS
 from .base_pose import POSE_COLUMNS, twice_imaginary
-from .filters.low_pass import slow_part
 from .preparation import Preparation
 from .recording import Recording
 
-SLOW, TURNS = 0.2, 3
-"""Frequency [Hz] below which an accelerometer tells the vertical, and turns in which the gyroscope adds the rest."""
+WINDOW, TURNS = 3.0, 2
+"""Time over which an accelerometer tells the vertical [s], and turns in which the gyroscope adds what is faster."""
 
 
 def base_during(recording: Recording, preparation: Preparation) -> MovingBase | None:
@@ -54,8 +53,14 @@ def vertical(recording: Recording) -> FloatArray:
         return np.tile([0.0, 0.0, 1.0], (len(recording), 1))
     if base.pose is not None:
         return base.pose.rotation[:, 2]
-    up = slow = slow_part(base.specific_force / GRAVITY, rate, SLOW)
-    for _ in range(TURNS):
+    force, width = base.specific_force / GRAVITY, max(1, round(WINDOW * rate))
+
+    def smooth(x: FloatArray) -> FloatArray:
+        once = scipy.ndimage.uniform_filter1d(x, width, axis=0)
+        return np.asarray(scipy.ndimage.uniform_filter1d(once, width, axis=0))
+
+    up = smooth(force)
+    for _ in range(TURNS):  # what the base turns is taken out of the smoothing
         turned = np.cumsum(np.cross(up, base.angular_velocity), axis=0) / rate
-        up = slow + turned - slow_part(turned, rate, SLOW)
+        up = turned + smooth(force - turned)
     return np.asarray(up / np.maximum(np.linalg.norm(up, axis=1, keepdims=True), np.finfo(np.float64).tiny))
