@@ -1,6 +1,7 @@
 """What do point feet tell of a quadruped? ANYmal stands, lifts its feet and trots in MuJoCo; see docs/ground.md.
 
     python scripts/study_point_feet.py --seeds 8      # seeds from 1000, about a minute each on one core
+    python scripts/study_point_feet.py --radius 0.03 --said 0.03    # balls [m] that are said to be balls
 
 An IMU measures the base, and switches say which feet are down; forces on the feet are not measured. Noise: 1 % of the
 torques, 17 bits of the encoders, 2e-3 rad/s and 0.02 m/s² of the IMU. Training: two sways on four feet, and four lifts
@@ -53,13 +54,13 @@ def urdf() -> str:
     return etree.tostring(root).decode()
 
 
-def world(text: str) -> mujoco.MjModel:
+def world(text: str, radius: float) -> mujoco.MjModel:
     """ANYmal on level ground, with a motor at each joint."""
     root = etree.fromstring(text)
     etree.SubElement(etree.SubElement(root, "mujoco"), "compiler", fusestatic="true")
     for foot in FEET:
         collision = etree.SubElement(root.find(f"link[@name='{foot}']"), "collision")
-        etree.SubElement(etree.SubElement(collision, "geometry"), "sphere", radius=str(RADIUS))
+        etree.SubElement(etree.SubElement(collision, "geometry"), "sphere", radius=str(radius))
     spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
     spec.option.timestep, spec.option.integrator = STEP, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 50
@@ -174,9 +175,9 @@ class Run:
         return exoid.Recording(self.time, q, tau=tau, joint_names=names, base=base, contacts=contacts)
 
 
-def simulate(text: str, kind: str, seconds: float, seed: int) -> Run:
+def simulate(text: str, kind: str, seconds: float, seed: int, radius: float = RADIUS) -> Run:
     """Follow a reference by position controllers."""
-    kinematics, model = Kinematics(text), world(text)
+    kinematics, model = Kinematics(text), world(text, radius)
     time, angles = reference(kinematics, kind, seconds, np.random.default_rng(seed))
     names = [model.joint(k).name for k in range(1, model.njnt)]
     order = [names.index(name) for name in kinematics.names]
@@ -184,7 +185,7 @@ def simulate(text: str, kind: str, seconds: float, seed: int) -> Run:
     speed, data = spline.derivative(), mujoco.MjData(model)
     back = np.argsort(order)
     data.qpos[7:], data.qpos[3] = angles[0][back], 1.0
-    data.qpos[2] = RADIUS - min(place[2] for place in kinematics.feet(angles[0]).values())
+    data.qpos[2] = radius - min(place[2] for place in kinematics.feet(angles[0]).values())
     balls = {k: int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_bodyid[k]}
     legs = {k: LEGS.index(model.body(body).name[:2]) for k, body in balls.items()}
     rows, wrench, every = [], np.zeros(6), round(1.0 / (RATE * STEP))
@@ -205,15 +206,15 @@ def simulate(text: str, kind: str, seconds: float, seed: int) -> Run:
     return Run(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
-def figures(text: str, seed: int) -> dict[str, float]:
+def figures(text: str, seed: int, radius: float = RADIUS, said: float = 0.0) -> dict[str, float]:
     """Figures of one seed."""
     from exoid.leg.description import describe  # noqa: PLC0415
 
     leg = exoid.Leg.from_description(
-        describe(text, "anymal.urdf"), base="floating", contacts=dict.fromkeys(FEET, "point")
+        describe(text, "anymal.urdf"), base="floating", contacts=dict.fromkeys(FEET, said or "point")
     )
     kinds = ("sway", "lift", "lift", "sway")
-    runs = [simulate(text, kind, 20.0, 10 * seed + k) for k, kind in enumerate(kinds)]
+    runs = [simulate(text, kind, 20.0, 10 * seed + k, radius) for k, kind in enumerate(kinds)]
     logs = [run.recording(leg.joint_names, np.random.default_rng([seed, k])) for k, run in enumerate(runs)]
     estimate = exoid.identify(leg, logs, terms=(), check=False)
     error = estimate.values - leg.parameters
@@ -224,7 +225,8 @@ def figures(text: str, seed: int) -> dict[str, float]:
     }
     alarms = [any(cone_findings(estimate, split(leg, log, estimate.preparation).stretches)) for log in logs]
     for k, kind in enumerate(("trot", "jump")):
-        log = simulate(text, kind, 10.0, 10 * seed + 9 - k).recording(leg.joint_names, np.random.default_rng([seed, 9]))
+        run = simulate(text, kind, 10.0, 10 * seed + 9 - k, radius)
+        log = run.recording(leg.joint_names, np.random.default_rng([seed, 9]))
         residuals = []
         for each in (estimate, replace(estimate, values=leg.parameters)):
             compared = compare_on_ground(each, log, each.preparation, 1.0)
@@ -233,7 +235,8 @@ def figures(text: str, seed: int) -> dict[str, float]:
         found[f"residual on a {kind} [N·m]"] = residuals[0]
         alarms.append(any(cone_findings(estimate, split(leg, log, estimate.preparation).stretches)))
     found["healthy logs with a finding friction-cone [%]"] = 100.0 * float(np.mean(alarms))
-    little = simulate(text, "little", 10.0, 10 * seed + 7).recording(leg.joint_names, np.random.default_rng([seed, 7]))
+    run = simulate(text, "little", 10.0, 10 * seed + 7, radius)
+    little = run.recording(leg.joint_names, np.random.default_rng([seed, 7]))
     try:
         exoid.identify(leg, little, terms=(), check=False)
         found["sway of some millimetres refused [%]"] = 0.0
@@ -244,4 +247,4 @@ def figures(text: str, seed: int) -> dict[str, float]:
 
 if __name__ == "__main__":
     text = urdf()
-    run_seeds(__doc__, lambda seed: figures(text, seed))
+    run_seeds(__doc__, lambda seed, radius, said: figures(text, seed, radius, said), radius=RADIUS, said=0.0)
