@@ -2,8 +2,9 @@
 
     python scripts/study_heel_toe.py                   # 16 seeds from 1000, a quarter of an hour on one core
     python scripts/study_heel_toe.py --step 1.25e-4    # on a rig with a quarter of the usual step
+    python scripts/study_heel_toe.py --seconds 120     # a longer walk
 
-One simulated walk of 80 s in a harness whose force is measured, with other noise and another bias of the IMU for each
+One simulated walk in a harness whose force is measured, with other noise and another bias of the IMU for each
 seed. Friction and rotors are unknown, and nothing but the walk is known. "down" has one switch for each foot; "heel and
 toe" two, on soles with edges of 5 mm (those of the rig) and of 0.5 mm.
 """
@@ -84,17 +85,18 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--first", type=int, default=1000, help="first seed; tune below 1000")
     parser.add_argument("--step", type=float, default=5e-4, help="step of the simulation [s]")
+    parser.add_argument("--seconds", type=float, default=80.0, help="length of the walk [s]")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     rates = Rates(control=1.0 / options.step, log=500.0, step=options.step)
     planned_motion.simulate_on_ground = partial(simulate_on_ground, rates=rates)
-    title = f"{options.seeds} seeds from {options.first}, steps of {1e3 * options.step:g} ms"
+    title = f"{options.seeds} seeds from {options.first}, {options.seconds:g} s in steps of {1e3 * options.step:g} ms"
     print(f"{title}: P95 of the largest error [%], means of the others [%]")
     print(f"{'':44s} {'M':>7} {'X':>7} {'J':>7} {'in 95 %':>8} {'used':>6}")
     for radius, cases in ((0.005, ((False, True), (False, False), (True, True))), (0.0005, ((True, True),))):
         plant = bleex_machine()
         plant = replace(plant, soles={name: Sole(sole.points, radius) for name, sole in plant.soles.items()})
-        run, leg = walking(plant, 80.0), machine(plant)
+        run, leg = walking(plant, options.seconds), machine(plant)
         for kinds, known in cases:
             seeds = range(options.first, options.first + options.seeds)
             each = [figures(leg, run, seed, kinds=kinds, known=known) for seed in seeds]
