@@ -91,9 +91,7 @@ def parse_contacts(pairs: Sequence[str] | None) -> dict[str, Any]:
         numbers = () if text.isalpha() else tuple(map(float, text.split(",")))
         return text if not numbers else numbers[0] if len(numbers) == 1 else numbers
 
-    form = (
-        "LINK=KIND or RADIUS, or FOOT_heel=X,Y,Z, e.g. --contact LF_FOOT=point or --contact left_foot_toe=0.13,0,-0.1"
-    )
+    form = "LINK=KIND, LINK=RADIUS or FOOT_heel=X,Y,Z, e.g. --contact LF_FOOT=point or --contact foot_toe=0.1,0,-0.1"
     return values_by_name(pairs, "--contact", kind, form)
 
 
