@@ -204,25 +204,28 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
 def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) -> bool:
     """Whether a fault predicts rows left out better, by a margin where friction of other forms does."""
     evidence, count = beside.evidence, len(beside.evidence.fixed)
-    blocks = np.zeros((4, len(evidence.factors), *(evidence.factors[0].shape[1],) * 2))
-    for j, (weight, tables) in enumerate(zip(plain.weights, evidence.tables, strict=True)):
-        for k, x in ((k, x) for table in tables for k, x in enumerate(np.array_split(weight * table, 16, axis=1))):
-            blocks[k % 4, j] += x @ x.T
-    every, own = np.eye(blocks.shape[-1]), count + np.array(fault.columns)
-    torque = every[-1].copy()
-    torque[own] = applied  # as it was logged
+    own = count + np.array(fault.columns)
     friction = np.append(evidence.free, count + np.array((*beside.always, *beside.friction), dtype=np.intp))
     bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
     # Friction that was found counts no more, but beside a delay: what is left of it at reversals looks like one
     found = evidence.free if fault.kind in ("torque-delay", "two-clocks") else plain.columns
+    models = bare, np.append(bare, own), found, np.union1d(found, friction)
+    used = np.append(np.unique(np.concatenate(models)), -1)
+    blocks = np.zeros((4, len(evidence.factors), len(used), len(used)))
+    for j, (weight, tables) in enumerate(zip(plain.weights, evidence.tables, strict=True)):
+        for table in tables:
+            for k, x in enumerate(np.array_split(weight * table[used], 16, axis=1)):
+                blocks[k % 4, j] += x @ x.T
+    torque = np.where(np.isin(used, own), applied, 0.0)  # as it was logged
+    torque[-1] = 1.0
     errors, whole = np.zeros((4, len(evidence.factors))), blocks.sum(axis=0)
     # The columns of a force only resemble a strap: at angles that were left out they say nothing
     tests = [(whole, whole)] if fault.kind == "unmodelled-force" else [(whole - out, out) for out in blocks]
     for rest, out in tests:
         fitted = rest.sum(axis=0)
-        for k, columns in enumerate((bare, np.append(bare, own), found, np.union1d(found, friction))):
-            Z = every[:, columns]
-            left = torque - Z @ (scaled_inverse(Z.T @ fitted @ Z) @ (Z.T @ fitted @ torque))
+        for k, columns in enumerate(models):
+            at, left = np.searchsorted(used[:-1], columns), torque.copy()
+            left[at] -= scaled_inverse(fitted[np.ix_(at, at)]) @ (fitted[at] @ torque)
             errors[k] += np.einsum("i,jik,k->j", left, out, left)
     # Gains of log likelihood per row, of all joints. Residuals of wrong friction look a little like any fault.
     errors = np.maximum(errors, 1e-12 * blocks[..., -1, -1].sum(axis=0) + TINY)  # smaller ones are rounding
