@@ -35,7 +35,7 @@ from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State
 from .search import find_faults, findings_of
-from .timing import angle_jumps, missing_samples, wraps
+from .timing import angle_jumps, missing_samples, stamp_jitter, wraps
 
 
 class Checkup(NamedTuple):
@@ -78,7 +78,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
         names.append(source_of(one))
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
-            checks = channel_findings, wraps, angle_jumps, missing_samples, late_velocities
+            checks = channel_findings, wraps, angle_jumps, missing_samples, stamp_jitter, late_velocities
             every = (found_there for look in checks for found_there in look(part))
             for finding in (*every, *(loop_gaps(closure, one) if closure is not None else ())):
                 key = (finding.kind, finding.joint)
@@ -97,7 +97,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
 def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     """Check the fit, unless a channel is broken."""
     found: list[Finding] = []
-    explained = False  # impossible parameters
+    explained, left = False, np.zeros(len(checked.nrmse))  # impossible parameters; residuals, beside all that was found
     if not broken:
         found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
         angles = bool((checked.nrmse > POOR).any() or checked.below.any())  # they need all rows anew
@@ -107,20 +107,21 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         scales = [] if found else list(torque_scale(checked))
         scales += [one for one in units if one.joint not in {other.joint for other in scales}]
         if not found:
-            found, explained = _finer_findings(checked.fitted, checked.evidence, scales)
+            found, explained, left = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
         if not found:
             found += turned_segment(checked)
-    doubted = broken or any(finding.severity != "info" for finding in found)
     if not explained and not any(finding.severity == "error" for finding in found):
         fitted = checked.fitted
         found += impossible_leg(fitted.model.leg, fitted.values, fitted.covariance, checked.evidence.factors)
     impossible = any(finding.kind == "impossible-leg" for finding in found)
-    yield from (*found, *large_residuals(checked, doubted=doubted, impossible=impossible))
+    yield from (*found, *large_residuals(checked, left, impossible=impossible))
 
 
-def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]) -> tuple[list[Finding], bool]:
-    """Faults that nuisance columns describe, beside scales of single torques; and whether one moves parameters far."""
+def _finer_findings(
+    fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]
+) -> tuple[list[Finding], bool, FloatArray]:
+    """Faults of nuisance columns, beside scales of torques; whether one moves parameters far; RMS residuals left."""
     model = fitted.model
     factors = np.ones(len(model.joint_names))
     for finding in (one for one in scales if one.joint and one.severity != "info"):
@@ -129,10 +130,10 @@ def _finer_findings(fitted: FittedLeg, evidence: Evidence, scales: Sequence[Find
         data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
         fitted = fitted._replace(data=tuple(data))
         evidence = gather(fitted, State.of(gather(fitted, fitted.values), ()).values)
-    faults = find_faults(fitted, evidence)
+    faults, left = find_faults(fitted, evidence)
     finer = findings_of(model, faults)
     known = {(finding.kind, finding.joint) for finding in scales}
     if scales and len(model.joint_names) == 2:  # of two joints only the ratio shows, at the second
         known.add(("torque-scale", model.joint_names[1]))
     finer = tuple(finding for finding in finer if (finding.kind, finding.joint) not in known)
-    return [*scales, *finer], any(fault.moves_far for fault in faults)
+    return [*scales, *finer], any(fault.moves_far for fault in faults), left / factors

@@ -34,6 +34,7 @@ class CheckedFit(NamedTuple):
     nrmse: FloatArray  # RMS residual over that, (n,)
     # correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion, (n,)
     persistence: FloatArray
+    residuals: list[FloatArray]  # of each recording, or zero for poses, (N, n) [N·m]
 
     @classmethod
     def of(cls, fitted: FittedLeg, evidence: Evidence) -> CheckedFit:
@@ -47,7 +48,7 @@ class CheckedFit(NamedTuple):
                 spread[j] = np.std(np.concatenate([part.tau[part.usable[:, j], j] for part in parts]))
                 squares = [of_part[part.usable[:, j], j] ** 2 for part, of_part in zip(parts, left, strict=True)]
                 rms[j] = np.sqrt(np.mean(np.concatenate(squares)))
-        moving = [of_part for of_part, rest in zip(left, evidence.at_rest, strict=True) if not rest]
+        moving = [of_part * (not rest) for of_part, rest in zip(left, evidence.at_rest, strict=True)]
         none = np.zeros(n)
         power = sum((np.sum(residual**2, axis=0) for residual in moving), none)
         product = sum((np.sum(residual[1:] * residual[:-1], axis=0) for residual in moving), none)
@@ -56,7 +57,8 @@ class CheckedFit(NamedTuple):
         shares = evidence.torque_shares(np.arange(len(values)), np.diag(values))
         below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02) & never_negative(fitted.model)
         nrmse = np.divide(rms, spread, out=np.zeros(n), where=spread > 0.0)
-        return cls(fitted, evidence, std, below, spread, nrmse, product / np.maximum(power, np.finfo(float).tiny))
+        persistence = product / np.maximum(power, np.finfo(float).tiny)
+        return cls(fitted, evidence, std, below, spread, nrmse, persistence, moving)
 
 
 def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
@@ -203,18 +205,39 @@ def turned_segment(checked: CheckedFit) -> Iterator[Finding]:
         yield Finding(kind, joint, value, "rad", "info", message, remedy, interval)
 
 
-def large_residuals(checked: CheckedFit, *, doubted: bool, impossible: bool) -> Iterator[Finding]:
-    """Find joints whose torque the model does not explain; where nothing else was found, by smaller residuals."""
+def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) -> Iterator[Finding]:
+    """Find joints whose torque the model does not explain, nor, by the RMS residuals left, faults that were found."""
     model, wrong = checked.fitted.model, 0.5 if impossible else 0.9
     for j, joint in enumerate(model.joint_names):
-        nrmse, poor = float(checked.nrmse[j]), 0.5
+        nrmse = float(checked.nrmse[j])
         # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
-        if nrmse <= (poor if doubted or checked.persistence[j] <= 0.5 else 0.15):
+        lasting = checked.persistence[j] > 0.5 and left[j] > 0.15 * checked.spread[j]
+        if nrmse <= (0.15 if lasting else 0.5):
             continue
         remedy = (
             "check whether this channel is the torque of this joint, and for contacts, straps and cables; if the torso "
             "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         )
-        message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
+        message = f"the model leaves {nrmse:.0%} of the torque unexplained{_when(checked, j)}"
+        severity = SEVERITIES[int(nrmse <= wrong)]
         doubtful = tuple(np.array(model.names)[model.acting[j]].tolist())
         yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, parameters=doubtful)
+
+
+def _when(checked: CheckedFit, joint: int) -> str:
+    """When half of the squared residual of a joint is, if in a short time: a push, an end stop or a brake."""
+    power = [np.cumsum(np.append(0.0, residual[:, joint] ** 2)) for residual in checked.residuals]
+    half, shortest, text = 0.5 * sum(float(before[-1]) for before in power), np.inf, ""
+    for part, source, before in zip(checked.evidence.parts, checked.evidence.sources, power, strict=True):
+        last = np.searchsorted(before, before + half) - 1
+        starts = np.flatnonzero((last < len(part.time)) & (half > 0.0))
+        for start, stop in zip(part.time[starts].tolist(), part.time[last[starts]].tolist(), strict=True):
+            if stop - start < shortest:
+                shortest, text = (
+                    stop - start,
+                    f", half of that from {start:.4g} to {stop:.4g} s{f' of {source}' * bool(source)}",
+                )
+    duration = sum(
+        float(np.ptp(part.time)) for part, before in zip(checked.evidence.parts, power, strict=True) if before[-1]
+    )
+    return text if shortest < 0.1 * duration else ""

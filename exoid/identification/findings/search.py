@@ -51,8 +51,8 @@ class Fault(NamedTuple):
         return bool(self.score.moves.max(initial=0.0) > FAR_MOVE)
 
 
-def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fault, ...]:
-    """Look for faults that explain the residuals of a fit to sampled data, the most convincing first."""
+def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tuple[Fault, ...], FloatArray]:
+    """Look for faults that explain residuals, the most convincing first; and the RMS residuals beside them, (n,)."""
     # Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
     # for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
     columns, candidates, always = fitted.library
@@ -94,9 +94,9 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[Fa
             total, first = now - before, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
             found[0] = found[0]._replace(score=first._replace(move=move))
-        return tuple(found)
+        return tuple(found), 1.0 / beside.fit().weights
     except (ExoidError, np.linalg.LinAlgError):
-        return ()  # too little is left for a check
+        return (), np.full(len(fitted.model.joint_names), np.inf)  # too little is left for a check
 
 
 class _Beside(NamedTuple):

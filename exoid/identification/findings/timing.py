@@ -1,4 +1,4 @@
-"""Checks of time, which need no model: missing samples, angles that wrap."""
+"""Checks of time, which need no model: missing samples, stamps that jitter, angles that wrap or jump."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
 from exoid.signals import Recording
-from exoid.signals.cutoff import robust_std
+from exoid.signals.cutoff import robust_std, white_noise
 
 from .channels import quantum
 
@@ -107,3 +107,20 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     remedy = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
     interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
     yield Finding("missing-samples", "", lost, "s", "warning", message, remedy, interval)
+
+
+def stamp_jitter(recording: Recording) -> Iterator[Finding]:
+    """Find stamps of arrival: angles that are smooth from sample to sample, and rough over their uneven stamps."""
+    if recording.is_uniform:
+        return
+    rough, smooth = white_noise(recording.resampled().q), white_noise(recording.q)
+    if (rough > 2.0 * smooth).any() and not (smooth > 1.2 * rough).any():
+        jitter = float(robust_std(np.diff(recording.time, 2))) / np.sqrt(6.0)
+        message = (
+            f"the time stamps jitter by {1e3 * jitter:.3g} ms while the angles change evenly from sample to sample: "
+            "they are times of arrival, and make the angles rough"
+        )
+        remedy = (
+            "log the stamps of the sensors, or even ones where no sample is missing: numpy.linspace(first, last, N)"
+        )
+        yield Finding("stamp-jitter", "", jitter, "s", "warning", message, remedy)
