@@ -127,6 +127,18 @@ def without_samples(recording: Recording, joint: int) -> Recording:
     return replace(short, q=recording.q[kept], tau=recording.tau[kept])
 
 
+def push(x: Array, recording: Recording) -> Array:
+    """Add a push, of twice the spread of the torque."""
+    return x + 2.0 * x.std() * np.exp(-(((recording.time - 0.6 * recording.time[-1]) / 0.25) ** 2))
+
+
+def jitter(recording: Recording, joint: int) -> Recording:
+    """Stamp samples when they arrive."""
+    late = np.random.default_rng(3).standard_normal(len(recording)) / (3.0 * recording.sample_rate)
+    stamps = np.maximum.accumulate(recording.time + late) + 1e-7 * np.arange(len(recording))
+    return replace(recording, time=stamps)
+
+
 def spring(recording: Recording, joint: int) -> Recording:
     """Let a spring act that takes a third of the torque."""
     q = recording.q[:, joint] - recording.q[:, joint].mean()
@@ -207,16 +219,14 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     "zero set again by 2° between two logs": (in_two_logs, "change"),
     "torque sensor is set again half way": (column("tau", half_way(lambda x: x + 0.5 * x.std())), "change"),
     "scale of a torque grows by 0.1 half way": (column("tau", half_way(lambda x: 1.1 * x)), "change"),
-    "angle off by 10 mrad, four times a turn": (
-        column("q", lambda x, _: x + 0.01 * np.sin(4.0 * x + 0.5)),
-        "angle-ripple",
-    ),
+    "somebody pushes for half a second": (column("tau", push), "large-residual"),
+    "stamps jitter by a third of a sample": (jitter, "stamp-jitter"),
     "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),
 }
 """Mistakes of a log, and the kind of finding that names them."""
 
 OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
-OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint", "change", "angle-ripple")
+OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint", "change")
 """Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 
@@ -357,7 +367,7 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
     name = recording.joint_names[joint]
     labels = {name, leg.joint_labels[joint]}
     # Of all, or of two joints of which only the ratio shows.
-    if mistake.startswith(("all", "efforts", "torque clock", "sign of all", "clock", "60 ms", "log")) or (
+    if mistake.startswith(("all", "efforts", "torque clock", "sign of all", "clock", "60 ms", "log", "stamps")) or (
         kind == "torque-scale" and count == 2
     ):
         labels |= {"", *recording.joint_names}

@@ -88,30 +88,28 @@ def _changes(state: State, columns: Sequence[int]) -> Iterator[tuple[float, floa
     chosen = list(dict.fromkeys((*state.columns.tolist(), *columns)))
     own = [chosen.index(k) for k in columns]
     blocks, grams = _grams(state, [*chosen, -1])
-    fitted, places = len(state.columns), list(_places(state.evidence, blocks))
-    if not places:
-        return
+    fitted = len(state.columns)
     residual = grams[:, :, -1] - grams[:, :, :fitted] @ state.solution  # Xᵀr and Zᵀr of each block
     inverse, rss = state.pinv @ state.pinv.T, float(state.residual @ state.residual)
     each = grams[:, :fitted, own], np.diagonal(grams, axis1=1, axis2=2)[:, own], residual[:, own]
-    # Xᵀz, zᵀz and zᵀr inside, from those of all blocks before each
-    first, last = np.array([place[1:] for place in places]).T
-    sums = (np.cumsum(np.insert(x, 0, 0.0, axis=0), axis=0) for x in each)
-    crossed, size, score = (total[last] - total[first] for total in sums)
-    # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
-    share = inverse @ crossed
-    information = size - np.sum(share * crossed, axis=1)
-    much = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
-    for p, k in np.argwhere(much).tolist():
-        # variance of the score by those of the blocks, less the change
-        inside = np.zeros((len(blocks), 1))
-        inside[first[p] : last[p]] = 1.0
-        a, z, step = share[p, :, k], inside * grams[:, :, own[k]], score[p, k] / information[p, k]
-        across = z[:, :fitted] - grams[:, :fitted, :fitted] @ a
-        power = z[:, own[k]] - z[:, :fitted] @ a - across @ a
-        of_blocks = inside[:, 0] * residual[:, own[k]] - residual[:, :fitted] @ a - power * step
-        statistic, gain = score[p, k] ** 2 / max(of_blocks @ of_blocks, TINY), score[p, k] * step / rss
-        yield float(statistic), float(gain), places[p][0]._replace(column=columns[k])
+    # Xᵀz, zᵀz and zᵀr of all blocks before each
+    sums = [np.cumsum(np.insert(x, 0, 0.0, axis=0), axis=0) for x in each]
+    for place, first, last in _places(state.evidence, blocks):
+        inside = np.zeros(len(blocks))
+        inside[first:last] = 1.0
+        crossed, size, score = (total[last] - total[first] for total in sums)
+        # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
+        share = inverse @ crossed
+        information = size - np.sum(share * crossed, axis=0)
+        much = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
+        for k in np.flatnonzero(much).tolist():
+            # variance of the score by those of the blocks, less the change
+            a, z = share[:, k], inside[:, None] * grams[:, :, own[k]]
+            across = z[:, :fitted] - grams[:, :fitted, :fitted] @ a
+            power = z[:, own[k]] - z[:, :fitted] @ a - across @ a
+            of_blocks = inside * residual[:, own[k]] - residual[:, :fitted] @ a - power * score[k] / information[k]
+            statistic = score[k] ** 2 / max(of_blocks @ of_blocks, TINY)
+            yield float(statistic), float(score[k] ** 2 / (information[k] * rss)), place._replace(column=columns[k])
 
 
 def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]], FloatArray]:

@@ -11,41 +11,35 @@ from exoid.regression.least_squares import scaled_lstsq
 from exoid.signals import Recording
 
 from .evidence import r_factor
-from .factors import driven_joints, fit_torques, torque_factors
+from .factors import driven_joints, factors_of, fit_torques, torque_factors, torque_rows
 from .physics import CheckedFit
 from .readings import CLEARLY, FITS_BETTER, POOR
 
 
 def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
     """Give torques of one sign the signs of a fit, beginning with the URDF's, and see whether it becomes far better."""
-    fitted, model = checked.fitted, checked.fitted.model
-    count, urdf, known = len(model.names), model.leg.parameters, np.nan_to_num(fitted.fixed)
+    fitted, model, free = checked.fitted, checked.fitted.model, ~np.isfinite(checked.fitted.fixed)
+    count, urdf, solution = len(model.names), model.leg.parameters, np.nan_to_num(fitted.fixed)
     logged = np.vstack([one.tau for one in fitted.data if one.tau is not None])
     low, high, size = logged.min(axis=0), logged.max(axis=0), np.abs(logged)
-    alike = low * high >= 0.0
-    if not (alike & (size.min(axis=0) < 0.1 * size.std(axis=0))).any():  # one that stays off zero has a sign
+    alike, poor = low * high >= 0.0, checked.nrmse > 0.25 * POOR
+    if not (alike & poor & (size.min(axis=0) < 0.1 * size.std(axis=0))).any():  # one that stays off zero has a sign
         return
-    tables = []
-    for j, of_joint in enumerate(checked.evidence.tables):
-        table = np.hstack(of_joint)
-        columns = np.zeros((table.shape[1], count + len(alike)))
-        columns[:, :count], columns[:, count + j] = table[:count].T, table[-1] + known @ table[:count]
-        tables.append(columns)
-    plain, free = [r_factor(table) for table in tables], ~np.isfinite(fitted.fixed)
+    plain = factors_of(checked.evidence)
     driven = driven_joints(plain)
-    alike &= driven
-    as_logged, solution = fit_torques(fitted, plain)[0], known.copy()
-    factors, signs = list(plain), {j: np.sign(tables[j][:, : len(urdf)] @ urdf) for j in np.flatnonzero(alike).tolist()}
+    rows = {j: torque_rows(checked.evidence, j) for j in np.flatnonzero(alike & driven).tolist()}
+    factors, signs = list(plain), {j: np.sign(of_joint[:, : len(urdf)] @ urdf) for j, of_joint in rows.items()}
     for _ in range(15):  # signs and parameters in turn; half of that settles most logs
         for j, sign in signs.items():
-            columns = tables[j].copy()
+            columns = rows[j].copy()
             columns[:, count + j] *= sign
             factors[j] = r_factor(columns)
         signed, solution[free] = fit_torques(fitted, factors)
-        predicted = {j: np.where(tables[j][:, :count] @ solution < 0.0, -1.0, 1.0) for j in signs}
+        predicted = {j: np.where(of_joint[:, :count] @ solution < 0.0, -1.0, 1.0) for j, of_joint in rows.items()}
         if all(np.array_equal(predicted[j], sign) for j, sign in signs.items()):
             break
         signs = predicted
+    as_logged, _ = fit_torques(fitted, plain)
     better = dict(zip(np.flatnonzero(driven).tolist(), np.exp(as_logged - signed).tolist(), strict=True))
     turned = {j: float(np.mean(sign < 0.0)) for j, sign in signs.items()}
     if not any(better[j] > FITS_BETTER and 0.02 < share < 0.98 for j, share in turned.items()):

@@ -54,10 +54,6 @@ class Evidence(NamedTuple):
             factors[-1][:, act] = acting
         return self._replace(tables=tables, factors=factors)
 
-    def torque_shares(self, columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray) -> FloatArray:
-        """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""
-        return torque_shares(self.factors, columns, sizes)
-
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""
         torque = np.array([np.linalg.norm(R[:, -1]) for R in self.factors]) / np.sqrt(self.counts)
@@ -75,7 +71,7 @@ class Evidence(NamedTuple):
 def torque_shares(
     factors: Iterable[FloatArray], columns: Sequence[int] | NDArray[np.intp], sizes: FloatArray
 ) -> FloatArray:
-    """RMS torques of m sums of columns, as :meth:`Evidence.torque_shares`, given the R factor of each joint, (m,)."""
+    """RMS torques of m sums of columns (C, m) over that of the joint, at the joint where this is largest, (m,)."""
     of_joints = [np.linalg.norm(R[:, columns] @ sizes, axis=0) / max(np.linalg.norm(R[:, -1]), TINY) for R in factors]
     return np.asarray(np.max(of_joints, axis=0))
 

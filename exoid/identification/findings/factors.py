@@ -38,13 +38,15 @@ def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses], *, weig
     return [r_factor(np.vstack(of_joint)) for of_joint in tables]
 
 
-def factors_of(evidence: Evidence) -> list[FloatArray]:
-    """R factors of rows [W τ₁ … τₙ] that a check has formed."""
+def torque_rows(evidence: Evidence, joint: int) -> FloatArray:
+    """Rows [W τ₁ … τₙ] of a joint that a check has formed."""
     count = len(evidence.fixed)
-    return [
-        r_factor(np.vstack([np.hstack([one.W[:, j, :count], one.tau])[one.usable[:, j]] for one in evidence.parts]))
-        for j in range(len(evidence.factors))
-    ]
+    return np.vstack([np.hstack([one.W[:, joint, :count], one.tau])[one.usable[:, joint]] for one in evidence.parts])
+
+
+def factors_of(evidence: Evidence) -> list[FloatArray]:
+    """R factors of these rows."""
+    return [r_factor(torque_rows(evidence, joint)) for joint in range(len(evidence.factors))]
 
 
 def driven_joints(factors: Sequence[FloatArray]) -> list[bool]:

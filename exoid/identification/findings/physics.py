@@ -54,7 +54,7 @@ class CheckedFit(NamedTuple):
         product = sum((np.sum(residual[1:] * residual[:-1], axis=0) for residual in moving), none)
         std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
         # by more than their errors and 2 % of the torque
-        shares = evidence.torque_shares(np.arange(len(values)), np.diag(values))
+        shares = torque_shares(evidence.factors, np.arange(len(values)), np.diag(values))
         below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02) & never_negative(fitted.model)
         nrmse = np.divide(rms, spread, out=np.zeros(n), where=spread > 0.0)
         persistence = product / np.maximum(power, np.finfo(float).tiny)
@@ -225,19 +225,14 @@ def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) 
 
 
 def _when(checked: CheckedFit, joint: int) -> str:
-    """When half of the squared residual of a joint is, if in a short time: a push, an end stop or a brake."""
-    power = [np.cumsum(np.append(0.0, residual[:, joint] ** 2)) for residual in checked.residuals]
-    half, shortest, text = 0.5 * sum(float(before[-1]) for before in power), np.inf, ""
-    for part, source, before in zip(checked.evidence.parts, checked.evidence.sources, power, strict=True):
-        last = np.searchsorted(before, before + half) - 1
-        starts = np.flatnonzero((last < len(part.time)) & (half > 0.0))
-        for start, stop in zip(part.time[starts].tolist(), part.time[last[starts]].tolist(), strict=True):
-            if stop - start < shortest:
-                shortest, text = (
-                    stop - start,
-                    f", half of that from {start:.4g} to {stop:.4g} s{f' of {source}' * bool(source)}",
-                )
-    duration = sum(
-        float(np.ptp(part.time)) for part, before in zip(checked.evidence.parts, power, strict=True) if before[-1]
-    )
-    return text if shortest < 0.1 * duration else ""
+    """When over half of the squared residual of a joint is, if in a tenth of all time: a push, an end stop, a brake."""
+    evidence, power = checked.evidence, [residual[:, joint] ** 2 for residual in checked.residuals]
+    width, whole = 0.1 * sum(float(np.ptp(part.time)) for part in evidence.parts), sum(x.sum() for x in power)
+    for part, source, squares in zip(evidence.parts, evidence.sources, power, strict=True):
+        before, stop = np.cumsum(np.append(0.0, squares)), np.searchsorted(part.time, part.time + width)
+        inside = before[stop] - before[:-1]
+        if inside.max() > 0.5 * whole:
+            there = slice(int(inside.argmax()), int(stop[inside.argmax()]))
+            middle = float(np.average(part.time[there], weights=squares[there]))
+            return f", over half of that around {middle:.4g} s{f' of {source}' if source else ''}"
+    return ""

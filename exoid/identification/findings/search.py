@@ -17,7 +17,7 @@ from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 
 from .changes import BLOCKS, Change, described, find_change, with_change
-from .evidence import Evidence
+from .evidence import Evidence, torque_shares
 from .kinds import KINDS, Nuisance
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, WORTH_A_LOOK, Score, State, in_half_widths, p_value_of
@@ -165,7 +165,7 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
         again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN or _is_late(score) else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
             columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
-            share = beside.evidence.torque_shares(columns, again.delta[:, None])[0]
+            share = torque_shares(beside.evidence.factors, columns, again.delta[:, None])[0]
             # Friction that drifts does so, too. A motion that becomes faster shows a short delay ever more.
             if kind == "two-clocks" and (share < 0.005 or constant > 0.8 * again.evidence):
                 continue
@@ -193,8 +193,8 @@ def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | No
         move = -plain.moved(fault.columns, total)
         p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
         score = score._replace(delta=total, p_value=p_value, move=move)
-    torque = evidence.torque_shares(count + np.array(fault.columns), score.delta[:, None])
-    change = evidence.torque_shares(np.arange(count), score.move[:, None])
+    torque = torque_shares(evidence.factors, count + np.array(fault.columns), score.delta[:, None])
+    change = torque_shares(evidence.factors, np.arange(count), score.move[:, None])
     predicts = _predicts(beside, fault, plain, float(score.delta[0]) if fault.is_corrected else 0.0)
     matters = predicts and fault.is_large_enough(score.delta, float(torque[0]))
     alternatives = tuple(one for one in alternatives if one.nuisance.is_large_enough(one.delta, float(torque[0])))

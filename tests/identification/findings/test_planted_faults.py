@@ -53,6 +53,12 @@ def without_four_samples(log):
     return dataclasses.replace(log, time=log.time[: len(keep)], q=log.q[keep], tau=log.tau[keep])
 
 
+def jittered(log):
+    """Stamp samples when they arrive, with noise of 2 ms."""
+    late = 0.002 * np.random.default_rng(0).standard_normal(len(log))
+    return dataclasses.replace(log, time=np.maximum.accumulate(log.time + late) + 1e-6 * np.arange(len(log)))
+
+
 def late_velocity(log):
     v = np.gradient(log.q, axis=0) * log.sample_rate
     v[:, 1] = np.interp(log.time - 0.05, log.time, v[:, 1])
@@ -132,12 +138,11 @@ FAULTS = {
     "cross-talk": Fault(
         lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
     ),
-    **{
-        f"an angle off {k} times a turn": Fault(
-            column("q", 1, lambda x, k=k: x + 0.005 * np.sin(k * x + 0.5)), "angle-ripple", 1, about(0.005, 0.001)
-        )
-        for k in (4, 8)
-    },
+    "a push": Fault(
+        column("tau", 1, lambda x: x + 2.0 * x.std() * np.exp(-(((np.arange(len(x)) - 1500) / 50.0) ** 2))),
+        *("large-residual", 1, None, "over half of that around 17.1"),
+    ),
+    "stamps of arrival": Fault(jittered, "stamp-jitter", None, about(0.002, 2e-4)),
     "play in a gear": Fault(behind(lambda load: 0.001 * np.tanh(load / 0.1)), "play", 1, about(0.00125, 0.0003)),
     "an elastic joint": Fault(behind(lambda load: load / 300.0), "elastic-joint", 1, about(300.0, 30.0)),
     "a slow clock": Fault(
