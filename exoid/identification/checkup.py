@@ -169,8 +169,7 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
         parts = [k for k, one in enumerate(fitted.problem.groups) if one.name == group.name]
         if fitted.problem.groups[parts[0]].links is None:
             leg = _fitted_leg(fitted, parts[0])
-            faults, _ = find_faults(leg._replace(data=few_of(leg.data)).sampled())
-            late = delays(faults, len(leg.model.joint_names))
+            late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(leg.model.joint_names))
         else:
             late = torque_delays(fitted, parts)
         groups.append(_shifted(group, late) if late[0].any() else group)

@@ -11,7 +11,7 @@ from exoid.regression.least_squares import scaled_lstsq
 from exoid.signals import Recording
 
 from .evidence import r_factor
-from .factors import driven_joints, factors_of, fit_torques, torque_factors, torque_rows
+from .factors import driven_joints, fit_torques, torque_factors, torque_rows
 from .physics import CheckedFit
 from .readings import CLEARLY, FITS_BETTER, POOR
 
@@ -25,17 +25,17 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
     alike, poor = low * high >= 0.0, checked.nrmse > 0.25 * POOR
     if not (alike & poor & (size.min(axis=0) < 0.1 * size.std(axis=0))).any():  # one that stays off zero has a sign
         return
-    plain = factors_of(checked.evidence)
-    driven = driven_joints(plain)
-    rows = {j: torque_rows(checked.evidence, j) for j in np.flatnonzero(alike & driven).tolist()}
-    factors, signs = list(plain), {j: np.sign(of_joint[:, : len(urdf)] @ urdf) for j, of_joint in rows.items()}
+    rows = [torque_rows(checked.evidence, j) for j in range(len(alike))]
+    plain = [r_factor(of_joint) for of_joint in rows]
+    driven, factors = driven_joints(plain), list(plain)
+    signs = {j: np.sign(rows[j][:, : len(urdf)] @ urdf) for j in np.flatnonzero(alike & driven).tolist()}
     for _ in range(15):  # signs and parameters in turn; half of that settles most logs
         for j, sign in signs.items():
             columns = rows[j].copy()
             columns[:, count + j] *= sign
             factors[j] = r_factor(columns)
         signed, solution[free] = fit_torques(fitted, factors)
-        predicted = {j: np.where(of_joint[:, :count] @ solution < 0.0, -1.0, 1.0) for j, of_joint in rows.items()}
+        predicted = {j: np.where(rows[j][:, :count] @ solution < 0.0, -1.0, 1.0) for j in signs}
         if all(np.array_equal(predicted[j], sign) for j, sign in signs.items()):
             break
         signs = predicted

@@ -44,11 +44,6 @@ def torque_rows(evidence: Evidence, joint: int) -> FloatArray:
     return np.vstack([np.hstack([one.W[:, joint, :count], one.tau])[one.usable[:, joint]] for one in evidence.parts])
 
 
-def factors_of(evidence: Evidence) -> list[FloatArray]:
-    """R factors of these rows."""
-    return [r_factor(torque_rows(evidence, joint)) for joint in range(len(evidence.factors))]
-
-
 def driven_joints(factors: Sequence[FloatArray]) -> list[bool]:
     """Joints with a torque other than zero: not those that are passive, or whose torque was not measured."""
     return [bool(R[:, R.shape[1] - len(factors) + j].any()) for j, R in enumerate(factors)]

@@ -42,16 +42,12 @@ class CheckedFit(NamedTuple):
         # Behind the filter, rows are about as far apart as the samples that carry independent noise.
         values, parts, n = fitted.values, evidence.parts, len(evidence.counts)
         left = [np.where(part.usable, part.tau - part.W[..., : len(values)] @ values, 0.0) for part in parts]
-        spread, rms = np.zeros((2, n))
-        for j, count in enumerate(sum(part.usable.sum(axis=0) for part in parts)):
-            if count:
-                spread[j] = np.std(np.concatenate([part.tau[part.usable[:, j], j] for part in parts]))
-                squares = [of_part[part.usable[:, j], j] ** 2 for part, of_part in zip(parts, left, strict=True)]
-                rms[j] = np.sqrt(np.mean(np.concatenate(squares)))
-        moving = [of_part * (not rest) for of_part, rest in zip(left, evidence.at_rest, strict=True)]
-        none = np.zeros(n)
-        power = sum((np.sum(residual**2, axis=0) for residual in moving), none)
-        product = sum((np.sum(residual[1:] * residual[:-1], axis=0) for residual in moving), none)
+        torques = [np.concatenate([part.tau[part.usable[:, j], j] for part in parts]) for j in range(n)]
+        spread = np.array([np.std(x) if len(x) else 0.0 for x in torques])
+        rms = np.sqrt(np.sum([np.sum(x**2, axis=0) for x in left], axis=0) / evidence.counts)
+        moving = [x * (not rest) for x, rest in zip(left, evidence.at_rest, strict=True)]
+        power = np.sum([np.sum(x**2, axis=0) for x in moving], axis=0)
+        product = np.sum([np.sum(x[1:] * x[:-1], axis=0) for x in moving], axis=0)
         std = np.sqrt(np.maximum(np.diag(fitted.covariance), 0.0))
         # by more than their errors and 2 % of the torque
         shares = torque_shares(evidence.factors, np.arange(len(values)), np.diag(values))
@@ -218,10 +214,11 @@ def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) 
             "check whether this channel is the torque of this joint, and for contacts, straps and cables; if the torso "
             "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         )
-        message = f"the model leaves {nrmse:.0%} of the torque unexplained{_when(checked, j)}"
-        severity = SEVERITIES[int(nrmse <= wrong)]
-        doubtful = tuple(np.array(model.names)[model.acting[j]].tolist())
-        yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, parameters=doubtful)
+        message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
+        names = tuple(np.array(model.names)[model.acting[j]].tolist())
+        yield Finding(
+            "large-residual", joint, nrmse, "1", severity, message + _when(checked, j), remedy, parameters=names
+        )
 
 
 def _when(checked: CheckedFit, joint: int) -> str:

@@ -14,8 +14,8 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
 from exoid.signals import Poses, Recording
 
-from .evidence import Evidence
-from .factors import driven_joints, factors_of, fit_torques, torque_factors
+from .evidence import Evidence, r_factor
+from .factors import driven_joints, fit_torques, torque_factors, torque_rows
 from .sample import FittedLeg, some_samples
 
 POOR = 0.2  # other readings of the log are worth trying where the model leaves so large a part of a torque
@@ -86,7 +86,8 @@ def gross_findings(fitted: FittedLeg, evidence: Evidence, *, angles: bool) -> tu
     """Try other signs, orders of joints and units, also of angles; report the one that fits by far better."""
     trial = fitted._replace(data=some_samples(fitted.model, fitted.data, 12_000))  # gross faults show in few
     try:
-        as_logged = torque_factors(trial, trial.data) if angles else factors_of(evidence)
+        formed = (r_factor(torque_rows(evidence, j)) for j in range(len(evidence.factors)))
+        as_logged = torque_factors(trial, trial.data) if angles else list(formed)
         left, _ = fit_torques(trial, as_logged)
         best, least = _best_reading(trial, as_logged, float(left.mean()), angles=angles)
     except (ExoidError, np.linalg.LinAlgError):

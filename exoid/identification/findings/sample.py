@@ -180,8 +180,6 @@ def _rows(
     prepared = prepared._replace(motion=motion if other is None else other.motion(motion))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., places["drift"]] *= (rows.time - fitted.clock_start(one))[:, None]
-    if "known delay" in places and not (
-        isinstance(one, Recording) and one.wrenches
-    ):  # a payload has no sensor that could be late
+    if "known delay" in places and not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late
         rows.W[..., places["known delay"]] = 0.0
     return rows

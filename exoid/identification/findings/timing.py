@@ -117,11 +117,6 @@ def stamp_jitter(recording: Recording) -> Iterator[Finding]:
     rough, smooth = (white_noise(q[::step]) for q in (recording.resampled().q, recording.q))
     if (rough > 2.0 * smooth).any() and not (smooth > 1.2 * rough).any():
         jitter = float(robust_std(np.diff(recording.time, 2))) / np.sqrt(6.0)
-        message = (
-            f"the time stamps jitter by {1e3 * jitter:.3g} ms while the angles change evenly from sample to sample: "
-            "they are times of arrival, and make the angles rough"
-        )
-        remedy = (
-            "log the stamps of the sensors, or even ones where no sample is missing: numpy.linspace(first, last, N)"
-        )
+        message = f"stamps jitter by {1e3 * jitter:.3g} ms, and angles are smooth without: they are times of arrival"
+        remedy = "log the stamps of the sensors, or even ones (numpy.linspace) where no sample is missing"
         yield Finding("stamp-jitter", "", jitter, "s", "warning", message, remedy)
