@@ -193,11 +193,12 @@ def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]
     bias = np.repeat([GYRO_BIAS, FORCE_BIAS], 3) * np.random.default_rng([seed, 99]).standard_normal(6)
 
     def log(number: int, *, plates: bool, imu: bool) -> Recording:
-        links = [link for link in runs[number].wrenches if link == "torso" or plates]
-        read = runs[number].recording(SENSORS, np.random.default_rng([seed, number]), wrenches=links)
+        # plates are left out of the same readings: the load cell at the torso has the same noise in all ways
+        read = runs[number].recording(SENSORS, np.random.default_rng([seed, number]))
+        held = {link: wrench for link, wrench in read.wrenches.items() if link == "torso" or plates}
         base = read.base
         moved = BaseMotion(base.angular_velocity + bias[:3], base.specific_force + bias[3:], base.position)
-        return replace(read, base=moved if imu else None)
+        return replace(read, base=moved if imu else None, wrenches=held)
 
     for way, (plates, imu) in WAYS.items():
         try:
