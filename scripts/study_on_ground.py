@@ -256,6 +256,9 @@ class Event(NamedTuple):
         return cls(name, Faults(frozen={"pitch" if name == "frozen pitch" else str(rng.choice(names)): when}))
 
 
+SUNK = 500.0
+"""Distance of a joint from the last posture of its function from which the machine has sunk or fallen [mrad]."""
+
 EVENTS = ("frozen joint", "frozen pitch", "slippery ground", "request in between")
 """Names of planted events."""
 
@@ -503,13 +506,14 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int, only: str |
     """Run functions with planted events, and print how they end."""
     found = [*chain(*Parallel(n_jobs=jobs)(delayed(planted)(machine, s, count, only) for s in seeds))]
     print(f"{machine}: {len(found)} planted events, seeds from {seeds[0]}")
-    headers = ("cases", "done", "goes on", "safe stop", "neither", "support in the air", "torque [N·m]")
+    headers = ("cases", "done", "goes on", "safe stop", "neither", "sunk", "support in the air", "torque [N·m]")
     print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
     for event in dict.fromkeys(name for _, name, _ in found):
         rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 3)
         done, goes_on, safe = (rows[:, [0, -2, -1]] > 0.0).T
         air = rows[:, COORDINATED.index("air [ms]")] > 60.0
-        ends = done, goes_on & ~done, safe, ~(done | goes_on | safe), air
+        sunk = rows[:, COORDINATED.index("end [mrad]")] > SUNK
+        ends = done, goes_on & ~done, safe, ~(done | goes_on | safe), sunk, air
         counts = len(rows), *(int(end.sum()) for end in ends)
         most = np.nanmax(rows[:, COORDINATED.index("torque [N·m]")], initial=0.0)
         print(f"{event:20s}" + "".join(f"{x:20d}" for x in counts) + f"{most:20.4g}", flush=True)
