@@ -140,14 +140,16 @@ class _Solution(NamedTuple):
     std: FloatArray
 
 
-def stretch_forces(estimate: EstimateData, ground: Ground, stretch: Stretch, feet: Sequence[str]) -> list[GroundForce]:
-    """Find the wrenches of one stretch, with the errors that the noise of angles and base adds."""
+def stretch_forces(
+    estimate: EstimateData, ground: Ground | None, stretch: Stretch, feet: Sequence[str]
+) -> list[GroundForce]:
+    """Find the wrenches of one stretch; with a ground, their bands have the noise of angles and base, too."""
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
     found, rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
-    noisier = _noisier(leg, ground, stretch.recording, rng)
+    noisier = _noisier(leg, ground, stretch.recording, rng) if ground else ()
     again = [_solution(estimate, stretch._replace(recording=each), feet) for each in noisier]
-    of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1))
+    of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1)) if again else 0.0
     # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing)
     once = np.zeros((found.wrench.shape[1], len(recording)))
     once[:, recording.mask] = found.wrench.T
