@@ -11,7 +11,7 @@ from walking import IMU, Walk
 import exoid
 from exoid import BaseMotion, ExoidError, Recording
 from exoid.signals import FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_cutoff
-from exoid.signals.moving_base import base_during
+from exoid.signals.moving_base import base_during, vertical
 
 LEG = exoid.load_leg("cuhk")
 UPRIGHT = np.array([0.0, 0.0, 9.81])
@@ -76,6 +76,13 @@ def test_poses_of_motion_capture_give_what_an_imu_measures():
     true = walked.base
     assert np.abs(base.angular_velocity - true.angular_velocity)[50:-50].max() < 5e-3
     assert np.abs(base.specific_force - true.specific_force_at(IMU))[50:-50].max() < 0.05
+
+
+def test_the_vertical_follows_the_gyroscope_in_a_walk():
+    walked = walk(sideways=0.1)
+    true = walked.pose[1].inv().apply([0.0, 0.0, 1.0])
+    assert np.abs(true - true.mean(axis=0)).max() > 0.2
+    assert np.abs(vertical(walked.recording()) - true).max() < 0.03
 
 
 # --- Recordings -----------------------------------------------------------------------------------------------------
