@@ -19,7 +19,7 @@ from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench
 from exoid.signals.link_wrenches import wrenches_on_links
 
-from .elimination import eliminate
+from .elimination import Elimination, eliminate
 from .imu import CorrectedBase, ImuErrors, imu_errors
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
@@ -142,6 +142,7 @@ def split(
         if links and inside.any():  # a closed chain that leaves no row, or a stretched one
             rows = eliminate(leg, links, slow[inside])
             usable[inside] = rows.fit & (rows.loop is None or rows.loop.shape[2] > 0)
+            _refuse_held_rail(leg, recording, links, rows)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
             # The plate under a foot in the air reads noise, which is left out of the rows; a load says that it is not.
@@ -198,6 +199,19 @@ def _without_bias(
         if not slip.slides.any():
             break
     return replace(raw, base=corrected), imu, slip
+
+
+def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], rows: Elimination) -> None:
+    """Refuse contacts that hold all joints of a leg on a rail: in the air, its rows also fit where nothing has mass."""
+    foot, rail = links[0], leg.joint_names[0]
+    if rail in recording.passive and rows.loop is not None and not rows.loop.shape[2]:
+        raise NotIdentifiableError(
+            f"the {leg.contact_kind(foot)} contact of {foot} holds all joints, and nothing else tells what {rail} carries",
+            where=source_of(recording),
+            remedy=f'say that {foot} rests on a point, contacts={{"{foot}": "point"}}, or measure its force',
+            command=f"say that {foot} rests on a point, --contact {foot}=point, or measure its force",
+            joints=(rail,),
+        )
 
 
 def _changing(flags: BoolArray, samples: int) -> BoolArray:

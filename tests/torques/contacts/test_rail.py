@@ -148,6 +148,11 @@ def still():
         (NotSupportedError, lambda: changed(base=still()), "along its rail"),
         (UnreadableInputError, lambda: log("press", seconds=SHORT).select(("hip", "knee")), "base_z"),
         (
+            NotIdentifiableError,
+            lambda: changed(contacts={"shank": changed().contacts["foot"]}),
+            "shank rests on a point",
+        ),
+        (
             UnreadableInputError,
             lambda: changed(passive=(), tau=log("press", seconds=SHORT).tau * [np.nan, 1.0, 1.0]),
             "passive=('base_z',)",
