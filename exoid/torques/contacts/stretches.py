@@ -206,7 +206,7 @@ def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], ro
     foot, rail = links[0], leg.joint_names[0]
     if rail in recording.passive and rows.loop is not None and not rows.loop.shape[2]:
         raise NotIdentifiableError(
-            f"the {leg.contact_kind(foot)} contact of {foot} holds all joints, and nothing else tells what {rail} carries",
+            f"the {leg.contact_kind(foot)} contact of {foot} holds all joints; nothing else tells what {rail} bears",
             where=source_of(recording),
             remedy=f'say that {foot} rests on a point, contacts={{"{foot}": "point"}}, or measure its force',
             command=f"say that {foot} rests on a point, --contact {foot}=point, or measure its force",
