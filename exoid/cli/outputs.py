@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from exoid.errors import BadArgumentError
-from exoid.tools.files import make_folder, refuse_input, refuse_unwritable, write_bytes
+from exoid.tools.files import make_folder, refuse_input, refuse_unwritable
 
 from .messages import note
 from .progress import status
@@ -60,14 +59,6 @@ def save_figures(folder: str | None, figures: Mapping[str, Figure]) -> None:
     if folder is not None:
         for path in write_figures(folder, figures):
             note(f"wrote {path}")
-
-
-def save_figure(path: str, figure: Figure) -> None:
-    """Write one figure in the format that the ending of the file names."""
-    from exoid.view.style import render  # noqa: PLC0415 - see above
-
-    write_bytes(path, [render(figure, Path(path).suffix.lstrip(".") or "png")])
-    note(f"wrote {path}")
 
 
 def save_page(make: Callable[[], Page], figures: str | None, page: str | None) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
@@ -22,6 +21,7 @@ from .options import (
     ANY_LEG,
     READ_AS_IT_IS,
     AsJson,
+    Figures,
     LegName,
     LegOptions,
     LogOptions,
@@ -31,7 +31,7 @@ from .options import (
     TorqueNoise,
     given,
 )
-from .outputs import check_outputs, print_result, save_figure
+from .outputs import check_outputs, print_result, save_figures
 from .progress import progress_bar
 from .refusals import refuse
 
@@ -108,7 +108,7 @@ def plan(
     limits: LimitOptions = LimitOptions(),  # noqa: B008
     tilts: Annotated[Text, Option(metavar="DEG,DEG", help="Torso tilts of the motions; default: upright.")] = None,
     stance: StanceOptions = StanceOptions(),  # noqa: B008
-    figure: Annotated[Text, Option(metavar="PNG", help="Draw motion and precision.")] = None,
+    figures: Figures = None,
     reading: LogOptions = READ_AS_IT_IS,
     as_json: AsJson = False,
 ) -> None:
@@ -120,7 +120,7 @@ def plan(
 
     refuse_unknown_leg(leg)
     if stance.supports is not None:
-        others = {"-o": output, "--assess": assess, "--tilts": tilts, "--figure": figure}
+        others = {"-o": output, "--assess": assess, "--tilts": tilts, "--figures": figures}
         refuse({**others, **given(stance._replace(supports=None))}, "--supports plans nothing")
         sets = [[] if each == "air" else each.split("+") for each in split_names(stance.supports) or ()]
         seen = excitation.determined_on(find_leg(leg, choice, None), sets, given_terms(terms) or ())
@@ -141,7 +141,7 @@ def plan(
     torso_tilts = parse_numbers(tilts, "--tilts") or (0.0,)
     labels = split_names(stance.stance) or [f"tilt{tilt:+g}" for tilt in torso_tilts]
     files = {f"--output ({file.name})": file for file in (_files(output, labels) if output else ())}
-    check_outputs({**files, "--figure": figure}, [leg, *(assess or [])])
+    check_outputs(files, [leg, *(assess or [])], figures)
     recordings = read_logs(assess or (), reading)
     logged = recordings[0].joint_names if recordings else None
     found = find_leg(leg, choice, logged)
@@ -149,33 +149,28 @@ def plan(
     chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan
     if recordings:
-        noise = parse_numbers(search.noise, "--noise")
-        result = excitation.assess(
-            found, recordings, chosen, noise=noise, noise_bandwidth=search.noise_bandwidth, limits=allowed
-        )
+        noise, width = parse_numbers(search.noise, "--noise"), search.noise_bandwidth
+        result = excitation.assess(found, recordings, chosen, noise=noise, noise_bandwidth=width, limits=allowed)
     elif stance.stance is not None:
         result = excitation.plan_stance(found, chosen, limits=allowed, **_stance_arguments(stance, search))
     else:
         with progress_bar("searching") as progress:
-            more: dict[str, Any] = {"limits": allowed, "progress": progress}
-            more |= {"tilts_deg": torso_tilts} | search.arguments()
-            result = excitation.plan_excitation(found, chosen, **more)
+            how = {"tilts_deg": torso_tilts, **search.arguments()}
+            result = excitation.plan_excitation(found, chosen, limits=allowed, progress=progress, **how)
     if output is not None and not isinstance(result, excitation.Assessment):
         for path, recording in zip(files.values(), result.recordings, strict=True):
             recording.to_csv(path)
             note(f"wrote {path}")
-    if figure is not None:
-        save_figure(figure, _draw(result))
+    if figures is not None:
+        save_figures(figures, _draw(result))
     print_result(result, as_json=as_json, data=_to_json(result))
 
 
 def _files(output: str, labels: Sequence[str]) -> list[Path]:
-    """Name the file of each motion, or refuse a name under which a plan cannot be written."""
+    """Name the file of each motion."""
     path = Path(output)
     if path.suffix != ".csv":
         raise BadArgumentError("a plan in no table", file=output, remedy="name the file .csv")
-    if not os.path.isdir(path.parent):  # noqa: PTH112 - no error if a folder cannot be read
-        raise BadArgumentError(f"there is no folder {path.parent}", file=output, remedy="create it, or use another")
     return [path.with_name(f"{path.stem}_{label}.csv") if len(labels) > 1 else path for label in labels]
 
 
@@ -198,21 +193,20 @@ def _range(text: str) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _draw(result: Assessment | Plan | StancePlan) -> Figure:
+def _draw(result: Assessment | Plan | StancePlan) -> dict[str, Figure]:
+    """Draw the predicted precision, and the motion of a plan."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - only a figure needs matplotlib
 
     from exoid.experiments.excitation import Plan  # noqa: PLC0415
     from exoid.view.plans import plot_planned_motion, plot_precision  # noqa: PLC0415
 
     with exoid.view.paper():
-        sheet = Figure(figsize=(7.2, 4.6))
+        drawn = {"precision": Figure(figsize=(3.5, 4.6))}
+        plot_precision(drawn["precision"].subplots(), result.precision)
         if isinstance(result, Plan):
-            left, right = sheet.subfigures(1, 2, squeeze=False, width_ratios=(1.25, 1.0))[0]
-            plot_planned_motion(left.subplots(3, 1, sharex=True), result)
-            plot_precision(right.subplots(), result.precision)
-        else:
-            plot_precision(sheet.subplots(), result.precision)
-    return sheet
+            drawn["motion"] = Figure(figsize=(3.5, 4.6))
+            plot_planned_motion(drawn["motion"].subplots(3, 1, sharex=True), result)
+    return drawn
 
 
 def _to_json(result: Assessment | Plan | StancePlan) -> dict[str, Any]:

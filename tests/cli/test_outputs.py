@@ -50,7 +50,7 @@ def run(inputs, tmp_path, exoid_):
         (("export", "est.json", "-o", "leg.urdf"), "leg.urdf"),
         (("export", "est.json", "--c", "est.json"), "est.json"),
         (("view", "leg.urdf", "--log", "logs/log.csv", "--html", "logs/log.csv"), "logs/log.csv"),
-        (("plan", "leg.urdf", "--assess", "logs/log.csv", "--figure", "logs/log.csv"), "logs/log.csv"),
+        (("plan", "leg.urdf", "--assess", "logs/log.csv", "--figures", "logs/log.csv"), "logs/log.csv"),
         (("track", "est.json", "--reference", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
         (("validate", "est.json", "logs/log.csv", "--report", "logs/log.csv"), "logs/log.csv"),
         (("compare", "est.json", "other.json", "--figures", "est.json"), "est.json"),
@@ -72,7 +72,8 @@ def test_two_outputs_have_two_names(run):
         (*IDENTIFY, "-o", "none/est.json"),
         (*IDENTIFY, "--report", "none/report.html"),
         ("select", "leg.urdf", "logs/log.csv", "-o", "none/est.json"),
-        ("plan", "leg.urdf", "-o", "plan.csv", "--figure", "none/plan.png"),
+        ("plan", "leg.urdf", "-o", "none/plan.csv"),
+        ("plan", "leg.urdf", "-o", "plan.csv", "--figures", "leg.urdf/drawn"),
         ("view", "leg.urdf", "--html", "none/leg.html"),
     ],
 )

@@ -29,7 +29,7 @@ def slow_log(path):
 
 @pytest.mark.slow
 def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
-    code, out, err = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figure", "plan.png", "--json")
+    code, out, err = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figures", "drawn", "--json")
     assert code == 0
     assert "wrote plan.csv" in err
     limits = MotionLimits.of(LEG, velocity=(2.0, 3.0))
@@ -40,7 +40,7 @@ def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
     assert data["duration"] == 8.0
     read = exoid.Recording.from_csv(tmp_path / "plan.csv")
     np.testing.assert_array_equal(read.q, plan.recordings[0].q)
-    assert (tmp_path / "plan.png").read_bytes().startswith(b"\x89PNG")
+    assert {file.name for file in (tmp_path / "drawn").iterdir()} >= {"motion.pdf", "precision.pdf"}
 
 
 def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
@@ -60,7 +60,7 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
 
 def test_motions_on_each_foot_are_written_and_printed(run, tmp_path):
     quick = ("--terms", "none", "--duration", "16", "--noise", "0.3")
-    code, out, err = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figure", "plan.png")
+    code, out, err = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figures", "drawn")
     assert code == 0
     assert "wrote plan_left.csv" in err
     data = json.loads(out)
@@ -70,4 +70,4 @@ def test_motions_on_each_foot_are_written_and_printed(run, tmp_path):
     contacts = exoid.Recording.from_csv(tmp_path / "plan_right.csv").contacts
     assert contacts["right_foot"].all()
     assert not contacts["left_foot"].any()
-    assert (tmp_path / "plan.png").stat().st_size > 0
+    assert (tmp_path / "drawn" / "precision.svg").stat().st_size > 0
