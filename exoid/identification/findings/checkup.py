@@ -23,13 +23,7 @@ from .channels import channel_findings
 from .efforts import missing_gravity, unsigned_torques
 from .evidence import Evidence
 from .loop_gap import loop_gaps
-from .physics import (
-    CheckedFit,
-    impossible_leg,
-    large_residuals,
-    torque_scale,
-    turned_segment,
-)
+from .physics import CheckedFit, impossible_leg, large_residuals, torque_scale, turned_segment
 from .readings import POOR, gross_findings
 from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
@@ -100,7 +94,9 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     explained, left = False, np.zeros(len(checked.nrmse))  # impossible parameters; residuals, beside all that was found
     if not broken:
         found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
-        angles = bool((checked.nrmse > POOR).any() or checked.below.any())  # they need all rows anew
+        # A payload that is stated too heavy leaves negative parameters, too. Readings of angles need all rows anew.
+        below = checked.below.any() and not all(one.payloads for one in checked.fitted.data)
+        angles = bool((checked.nrmse > POOR).any() or below)
         if not found and (angles or (checked.nrmse > 0.25 * POOR).any()):
             found += gross_findings(checked.fitted, checked.evidence, angles=angles)
         units = [found.pop()] if found and found[0].kind == "torque-scale" else []  # hides no other fault

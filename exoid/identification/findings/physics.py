@@ -135,7 +135,7 @@ def impossible_leg(
         f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {apart:.3g} standard "
         "deviations away"
     )
-    remedy = "look for a wrong sign, unit or length; rotor inertia and springs that the model lacks also do this"
+    remedy = "look for a wrong sign, unit, length or payload; rotors and springs that the model lacks also do this"
     yield Finding("impossible-leg", "", apart, "1", "warning", message, remedy, parameters=tuple(leg.parameter_names))
 
 

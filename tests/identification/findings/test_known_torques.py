@@ -28,6 +28,15 @@ def test_a_mass_of_a_payload_in_one_of_two_logs(stated):
         assert of_kind(found, "known-torque").value == pytest.approx(2.0 / stated, rel=0.05)
 
 
+def test_a_payload_in_the_only_log_that_is_far_too_heavy_is_no_wrong_sign():
+    leg, _ = clean("cuhk")
+    joint = leg.joint_names[1]
+    log = Swing(with_payloads(leg, [exoid.Payload(joint, 2.0, PLACE)]), seconds=30.0, seed=2, smoothing=0.015)
+    found = exoid.check(leg, log.recording(v=None, a=None, payloads=(exoid.Payload(joint, 20.0, PLACE),)))
+    assert "payload" in of_kind(found, "impossible-leg").remedy
+    assert not kinds(found) & {"torque-sign", "angle-sign"}
+
+
 @pytest.fixture(scope="module")
 def held():
     """CUHK-EXO's leg and a log in which its shank is held by a load cell: the force, and the log without it."""
