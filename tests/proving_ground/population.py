@@ -219,6 +219,10 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     "zero set again by 2° between two logs": (in_two_logs, "change"),
     "torque sensor is set again half way": (column("tau", half_way(lambda x: x + 0.5 * x.std())), "change"),
     "scale of a torque grows by 0.1 half way": (column("tau", half_way(lambda x: 1.1 * x)), "change"),
+    "angle off by 10 mrad, four times a turn": (
+        column("q", lambda x, _: x + 0.01 * np.sin(4.0 * x + 0.5)),
+        "angle-ripple",
+    ),
     "somebody pushes for half a second": (column("tau", push), "large-residual"),
     "stamps jitter by a third of a sample": (jitter, "stamp-jitter"),
     "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),
@@ -226,7 +230,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
 """Mistakes of a log, and the kind of finding that names them."""
 
 OF_MODEL = ("torque-scale", "angle-offset", "angle-scale", "clock", "unmodelled-force", "cross-talk", "angle-sign")
-OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint", "change")
+OF_MODEL += ("unsigned-torque", "gravity-compensated-effort", "two-clocks", "elastic-joint", "change", "angle-ripple")
 """Kinds that are not looked for beside rows of a base, nor is the order of angles."""
 
 

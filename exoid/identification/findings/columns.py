@@ -229,6 +229,14 @@ def _behind(at: _Point, j: int, lag: FloatArray) -> FloatArray:
     return -at.by_joint(j, *twist)
 
 
+def _ripple(at: _Point, j: int, k: int) -> FloatArray:
+    """Change where an angle is off by sin or cos of a multiple of it: of 2 m the sine, of 2 m + 1 the cosine of m q."""
+    m = k // 2
+    q, v, a = (x[:, j] for x in at.motion[:3])
+    wave, slope = (np.sin(m * q), np.cos(m * q)) if k % 2 == 0 else (np.cos(m * q), -np.sin(m * q))
+    return at.by_joint(j, wave, m * slope * v, m * slope * a - m**2 * wave * v**2)
+
+
 def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
     """Friction that falls off at a quarter of the RMS speed."""
     slow = 0.25 * max(float(at.of.speed[j]), 1e-6)
@@ -251,6 +259,7 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
     "compliance": _compliance,
     "ringing": _ringing,
     "play": _play,
+    "ripple": _ripple,
     "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
     "force": lambda at, _, other: at.motion.q[:, other],
     "force²": lambda at, j, _: at.motion.q[:, j] ** 2,
@@ -264,6 +273,6 @@ COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
 
 OF_ALL_JOINTS = (
     *("delays", "drift", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),
-    *("compliance", "ringing", "play"),
+    *("compliance", "ringing", "play", "ripple"),
 )
 """Columns that act on the torques of all joints."""

@@ -165,6 +165,13 @@ KINDS = {
         "{joint} has play between its encoder and its link, {milli:.2g} mrad to each side of the middle",
         "take the play out of the gear, or log the angle of the link",
     ),
+    "angle-ripple": Kind(
+        5e-4,
+        "the angle of {joint} is off by up to {milli:.2g} mrad in waves, {form} a turn or about so often, as a "
+        "potentiometer or an encoder with an eccentric disc or magnet is",
+        "calibrate the angle over its range against another encoder, and subtract what it reads too much; a spring "
+        "between encoder and link bends so under gravity, too",
+    ),
     "elastic-joint": Kind(
         None,
         "{joint} is elastic between its encoder and its link, which the model lacks: {x:.3g} N·m/rad",
@@ -233,6 +240,9 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j), most=0.05))
+        for k, often in ((4, "four times"), (8, "eight times")):
+            waves = add("ripple", j, 2 * k, 2 * k + 1)
+            faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))
         for kind in ("compliance", "ringing"):
             faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)))
         if j in arms:

@@ -149,7 +149,9 @@ def _counts(score: Score, limit: float) -> bool:
 def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit: float) -> list[Score]:
     """Most convincing fault that is significant and moves a parameter out of its interval, and those as likely."""
     plain = State.of(beside.evidence, beside.staying(), like=state)
-    new = [nuisance for nuisance in candidates if nuisance not in beside.faults]
+    # columns of a force only resemble a strap: what they leave looks like waves of the angle
+    pulled = {("angle-ripple", one.joint) for one in beside.faults if one.kind == "unmodelled-force"}
+    new = [one for one in candidates if one not in beside.faults and (one.kind, one.joint) not in pulled]
     limits = [WORTH_A_LOOK if nuisance.kind == "torque-delay" else limit for nuisance in new]
     conspicuous = {*state.conspicuous(new)}
     scores = [state.test(one, plain, most) for one, most in zip(new, limits, strict=True) if one in conspicuous]

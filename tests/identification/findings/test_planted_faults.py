@@ -138,6 +138,9 @@ FAULTS = {
     "cross-talk": Fault(
         lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
     ),
+    "an angle off 4 times a turn": Fault(
+        column("q", 1, lambda x: x + 0.005 * np.sin(4 * x + 0.5)), "angle-ripple", 1, about(0.005, 0.001)
+    ),
     "a push": Fault(
         column("tau", 1, lambda x: x + 2.0 * x.std() * np.exp(-(((np.arange(len(x)) - 1500) / 50.0) ** 2))),
         *("large-residual", 1, None, "over half of that around 17.1"),
