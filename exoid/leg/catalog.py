@@ -62,7 +62,7 @@ def load_exo(
     inertias: str | None = None,
     *,
     base: Base = "fixed",
-    contacts: Mapping[str, Contact | Sequence[float]] | None = None,
+    contacts: Mapping[str, Contact | float | Sequence[float]] | None = None,
 ) -> Leg:
     """Load a built-in exoskeleton: torso and both legs in one tree.
 
