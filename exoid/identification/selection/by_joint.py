@@ -1,4 +1,4 @@
-"""Ways to identify a leg: the friction model of each joint, one for all joints, and the fit that confirms."""
+"""Ways to identify a leg: the friction model of each joint, and the fit that confirms."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Term
 
 from .held_out import held_out_errors
-from .patterns import ALWAYS, PLAIN, Columns, JointFriction, absent, terms_of, zeros_of
-from .per_joint import Choice, Found, Search, same_at_all_joints, search_joint_by_joint
+from .patterns import ALWAYS, PLAIN, Columns, absent, terms_of, zeros_of
+from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 ALIKE = 1.03  # ratio of errors up to which models predict alike, by seeds below 100 of the proving ground
 SYMMETRIC = 1e-4  # |Y| over |X| of the URDF up to which it says that a segment is symmetric: that of rounding
@@ -73,28 +73,21 @@ class Candidate:
 def select_by_joint(
     search: Search, progress: Callable[[float], None]
 ) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
-    """Choose the friction of each joint, or one for all: all candidates, which, its friction, and its fit."""
+    """Choose the friction of each joint: all candidates, which, its friction, and its fit."""
     ends = _ends(search, progress)
-    candidates, several = [end[0] for end in ends], [end[1] for end in ends]
-    found = several[0]
-    choices = {"coulomb": found.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names))}
-    for alike in same_at_all_joints(found, 3 if len(search.leg.joint_names) > 1 else 0):
-        choices[f"all: {JointFriction.of('', max(alike.columns, key=len)).text}"] = alike
-    candidates += [_scored(found.search, name, choice) for name, choice in choices.items()]
-    several += [found._replace(choice=choice) for choice in choices.values()]
+    plain = ends[0][1]
+    plain = plain._replace(choice=plain.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names)))
+    ends.append((_scored(plain.search, "coulomb", plain.choice), plain))
     progress(0.75)
     while True:
-        # Another model has to predict both better, other stretches of time and faster motion.
-        mean, fast = candidates[0].mean / ALIKE, candidates[0].fast / ALIKE
-        better = [k for k, one in enumerate(candidates) if one.mean <= mean and not one.fast > fast]
-        chosen = min(better, key=lambda k: candidates[k].error, default=0)
-        found = several[chosen]
-        if candidates[chosen].failure:
+        chosen = min(range(len(ends)), key=lambda k: ends[k][0].error * (ALIKE if k else 1.0))
+        candidate, found = ends[chosen]
+        if candidate.failure:
             raise NotIdentifiableError(
-                f"no candidate can be fitted: {candidates[chosen].failure}", remedy="record longer and richer motions"
+                f"no candidate can be fitted: {candidate.failure}", remedy="record longer and richer motions"
             )
         try:
-            estimate = candidates[chosen].fit(search.leg, search.recordings, search.cutoff)
+            estimate = candidate.fit(search.leg, search.recordings, search.cutoff)
         except NotIdentifiableError as error:
             of_joints = enumerate(zip(found.choice.columns, search.leg.joint_labels, strict=True))
             pairs = [(joint, c.symbol, label) for joint, (columns, label) in of_joints for c in columns]
@@ -107,9 +100,9 @@ def select_by_joint(
             break
         for joint, symbol in faults:  # each round bans a coefficient for good; another candidate may then be better
             found = found.without(joint, symbol)
-        several[chosen], candidates[chosen] = found, _scored(found.search, candidates[chosen].name, found.choice)
+        ends[chosen] = _scored(found.search, candidate.name, found.choice), found
     progress(1.0)
-    return candidates, chosen, found.choice.columns, estimate
+    return [one for one, _ in ends], chosen, found.choice.columns, estimate
 
 
 def _ends(search: Search, progress: Callable[[float], None]) -> list[tuple[Candidate, Found]]:

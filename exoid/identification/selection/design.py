@@ -7,14 +7,18 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import JointMotion, Motion, Presliding, TorqueModel
+from exoid.torques.terms import SLOW
 
-from .patterns import Column, Columns
+from .patterns import REVERSAL, Column, Columns
+
+REST = 0.3  # a joint that is slower than at a reversal for so long rests [s]; by seeds below 100 of the proving ground
 
 
 class Design(NamedTuple):
@@ -22,7 +26,7 @@ class Design(NamedTuple):
 
     recording: NDArray[np.intp]  # index of the recording of each row, (N,)
     time: FloatArray  # [s], (N,)
-    v: FloatArray  # velocities [rad/s], (N, n)
+    moves: NDArray[np.bool_]  # where a joint does not rest; other rows of it are zero, (n, N)
     tau: FloatArray  # torques [N·m], (n, N)
     base: FloatArray  # columns of rigid bodies and armatures, (n, N, p)
     friction: tuple[FloatArray, ...]  # columns of the friction of each joint, n of (N, K)
@@ -40,7 +44,7 @@ class Design(NamedTuple):
         return self._replace(
             recording=self.recording[rows],
             time=self.time[rows],
-            v=self.v[rows],
+            moves=self.moves[:, rows],
             tau=self.tau[:, rows],
             base=self.base[:, rows],
             friction=tuple(F[rows] for F in self.friction),
@@ -71,17 +75,17 @@ def form_design(
     parts: list[Design] = []
     for index, full in enumerate(prepared):
         each = full._replace(rows=full.rows[(len(full.rows) - 1) % step // 2 :: step])
-        motion = each.motion
+        motion, moves = each.motion, ~_rests(each)
         needed = {(j, column.term.internal_state) for j, of_joint in enumerate(library) for column in of_joint}
         states = {(j, state): state.states(motion.q[:, j], motion.v[:, j]) for j, state in needed if state is not None}
         for stretch in each.stretches():
-            part = _form(model, each, stretch, library, states, rigid)
+            part = _form(model, each, stretch, library, states, rigid, moves)
             mask = each.inside[stretch.start : stretch.stop : stretch.step]
             parts.append(part._replace(recording=np.full(len(mask), index, dtype=np.intp)).some(mask))
     return Design(
         np.concatenate([part.recording for part in parts]),
         np.concatenate([part.time for part in parts]),
-        np.vstack([part.v for part in parts]),
+        np.hstack([part.moves for part in parts]),
         np.hstack([part.tau for part in parts]),
         np.concatenate([part.base for part in parts], axis=1),
         tuple(np.vstack([part.friction[joint] for part in parts]) for joint in range(len(library))),
@@ -91,6 +95,14 @@ def form_design(
     )
 
 
+def _rests(prepared: Prepared) -> NDArray[np.bool_]:
+    """Select samples at which a joint rests, slow for at least :data:`REST`, (N, n)."""
+    # What holds a joint at rest is anything between -c0 and c0: any form that fits it has learnt noise.
+    v, count = prepared.motion.v, max(2, round(REST / float(np.median(np.diff(prepared.time)))))
+    slow = np.abs(v) <= np.minimum(REVERSAL, SLOW * np.sqrt(np.mean(v**2, axis=0)))
+    return np.asarray(scipy.ndimage.binary_opening(slow, np.ones((count, 1), dtype=np.bool_)))
+
+
 def _form(
     model: TorqueModel,
     prepared: Prepared,
@@ -98,6 +110,7 @@ def _form(
     library: Sequence[Columns],
     states: dict[tuple[int, Presliding], FloatArray],
     rigid: FloatArray | None,
+    moves: NDArray[np.bool_],
 ) -> Design:
     """Form a stretch of rows, joint by joint."""
     around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
@@ -113,7 +126,7 @@ def _form(
         ones = prepared.parallel.among_zeros(counted[None].astype(np.float64), inside)[0]
         gain = np.where(counted[inside.start : inside.stop : inside.step], ones, 1.0)
     base, friction = np.zeros((columns.shape[1], len(inside), len(columns))), []
-    tau = np.zeros((columns.shape[1], len(inside)))
+    tau, rows = np.zeros((columns.shape[1], len(inside))), slice(stretch.start, stretch.stop, stretch.step)
     for joint, of_joint in enumerate(library):
         acting = np.flatnonzero(model.acting[joint])
         extra = []
@@ -127,9 +140,9 @@ def _form(
             filtered = signals[:, inside.start : inside.stop : inside.step]
         else:
             filtered = prepared.parallel.among_zeros(signals, inside, counted)
+        filtered = filtered * moves[rows, joint]
         base[joint][:, acting] = filtered[: len(acting)].T
         friction.append(filtered[len(acting) : -1].T)
         tau[joint] = filtered[-1]
-    rows = slice(stretch.start, stretch.stop, stretch.step)
     of_all = np.zeros(len(inside), dtype=np.intp)
-    return Design(of_all, prepared.time[rows], prepared.motion.v[rows], tau, base, tuple(friction), (), 1.0, gain)
+    return Design(of_all, prepared.time[rows], moves[rows].T, tau, base, tuple(friction), (), 1.0, gain)

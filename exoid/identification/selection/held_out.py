@@ -71,35 +71,42 @@ def held_out_errors(fitted: Design, recordings: Sequence[Recording], folds: int)
     """Predict each stretch of the recordings from the others, with the friction models of a design."""
     compared = fitted.unfaded()
     each = [_residuals(blocks, fitted, compared) for blocks in blocked_folds(recordings, folds)]
-    left, torque = (np.hstack(rows) for rows in zip(*each, strict=True))
+    left, torque, moves = (np.hstack(rows) for rows in zip(*each, strict=True))
     # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.
-    spread = np.maximum(torque.std(axis=1), 1e-150)
+    spread = _spread(torque, moves)
     # The torque of a passive joint is zero: its NRMSE has no meaning, and would decide for all joints.
     still = spread <= 1e-9 * spread.max()
-    of_folds = np.array([np.mean((_rms(of_one) / spread)[~still]) for of_one, _ in each])
-    fast, fast_torque = _residuals(fast_blocks(recordings), fitted, compared)
-    extrapolation = _rms(fast) / np.maximum(fast_torque.std(axis=1), 1e-150)
-    nrmse, extrapolation = (np.where(still, np.nan, x) for x in (_rms(left) / spread, extrapolation))
+    of_folds = np.array([np.mean((rms(of_one, rows) / spread)[~still]) for of_one, _, rows in each])
+    fast, fast_torque, fast_moves = _residuals(fast_blocks(recordings), fitted, compared)
+    extrapolation = rms(fast, fast_moves) / _spread(fast_torque, fast_moves)
+    nrmse, extrapolation = (np.where(still, np.nan, x) for x in (rms(left, moves) / spread, extrapolation))
     return HeldOut(nrmse, of_folds, extrapolation)
 
 
-def _rms(residual: FloatArray) -> FloatArray:
-    """Root of the mean squared residual of each joint, (n,)."""
-    return np.asarray(np.sqrt(np.mean(residual**2, axis=1)))
+def rms(rows: FloatArray, moves: NDArray[np.bool_]) -> FloatArray:
+    """Root of the mean square of each joint where it moves, (n,); other rows are zero."""
+    return np.asarray(np.sqrt(np.sum(rows**2, axis=1) / np.maximum(moves.sum(axis=1), 1)))
 
 
-def _residuals(blocks: Blocks, fitted: Design, compared: Design) -> tuple[FloatArray, FloatArray]:
-    """Residuals and torques on the tested rows of one split, (n, K) each; not numbers where rows are too few."""
+def _spread(torque: FloatArray, moves: NDArray[np.bool_]) -> FloatArray:
+    """Standard deviation of the torque of each joint where it moves, (n,)."""
+    mean = torque.sum(axis=1) / np.maximum(moves.sum(axis=1), 1)
+    return np.maximum(rms(moves * (torque - mean[:, None]), moves), 1e-150)
+
+
+def _residuals(blocks: Blocks, fitted: Design, compared: Design) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Residuals, torques and moves of the tested rows of one split, (n, K) each; not numbers where rows are too few."""
     active = [np.arange(columns.shape[1]) for columns in fitted.friction]
     used, tested = fold_of(blocks, fitted).fitted, fold_of(blocks, compared).tested
     count = fitted.base.shape[2] + max((len(k) for k in active), default=0)
     if used.sum() < count or not tested.any():
         nothing = np.full((len(fitted.tau), 1), np.nan)
-        return nothing, nothing
+        return nothing, nothing, np.ones(nothing.shape, dtype=np.bool_)
     weights = np.broadcast_to(used.astype(np.float64), fitted.tau.shape)
     for _ in range(2):  # weights of the joints and residuals in turn
         base, friction = NormalEquations.of(fitted, weights).solve(active)
-        scale = _rms(residuals(fitted, active, base, friction)[:, used])
+        scale = rms(residuals(fitted, active, base, friction)[:, used], fitted.moves[:, used])
         weights = used / np.maximum(scale, 1e-9 * scale.max() + 1e-300)[:, None] ** 2
     base, friction = NormalEquations.of(fitted, weights).solve(active)
-    return residuals(compared, active, base, friction)[:, tested], compared.tau[:, tested]
+    left = residuals(compared, active, base, friction)
+    return left[:, tested], compared.tau[:, tested], compared.moves[:, tested]

@@ -58,12 +58,6 @@ class NormalEquations(NamedTuple):
         ends = np.cumsum([count, *(len(k) for k in active)])
         return solution[:count], [solution[a:b] for a, b in itertools.pairwise(ends)]
 
-    def error(self, tested: NormalEquations, active: Active) -> float:
-        """Weighted sum of squared residuals that their solution leaves on other rows, less that of the torques."""
-        solution = np.concatenate([(parts := self.solve(active))[0], *parts[1]])
-        A, right = tested._table(active)
-        return float(solution @ A @ solution - 2.0 * right @ solution)
-
     def project(self, joint: int, active: Active) -> JointEquations:
         """Eliminate the base parameters and the friction of all other joints."""
         L, scale, right = self._factored([k if j != joint else k[:0] for j, k in enumerate(active)])

@@ -75,8 +75,8 @@ class Pattern(NamedTuple):
     @property
     def complexity(self) -> float:
         """Number of coefficients and settings; load friction in one direction of power only counts half more."""
-        # Smoothing does not count, as the last fit leaves out where it matters; nor do c0 and d, which every joint has.
-        numbers = len({*self.symbols} - {*ALWAYS}) + self.presliding + ("cs" in self.symbols)
+        # Smoothing or presliding is there always, one as long as the other; nor do c0 and d count, which every joint has.
+        numbers = len({*self.symbols} - {*ALWAYS}) + ("cs" in self.symbols)
         return numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
 
     def dissipative(self, coefficients: FloatArray) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ from exoid.signals import Recording, without_torque_delay
 from exoid.torques import Armature, Term
 
 from .design import Design, form_design
-from .held_out import Fold, blocked_folds, fast_blocks, fold_of
+from .held_out import Fold, blocked_folds, fast_blocks, fold_of, rms
 from .normal_equations import Active, NormalEquations, residuals
 from .patterns import ALWAYS, LOAD, PLAIN, Columns, Grid, Pattern, patterns
 
@@ -60,7 +60,7 @@ class Choice(NamedTuple):
         base, friction = whole.solve(active)
         left = residuals(design, active, base, friction)
         floor = 1e-9 * np.sqrt(np.mean(design.tau**2))
-        return cls(columns, base, friction, left, np.maximum(np.sqrt(np.mean(left**2, axis=1)), floor))
+        return cls(columns, base, friction, left, np.maximum(rms(left, design.moves), floor))
 
 
 class Tables(NamedTuple):
@@ -183,25 +183,6 @@ def choose(
         candidates.append((pattern, settings[best], loss))
     # A pattern without c0 or d is there for joints at which it would be negative.
     return _fewest([one for one in candidates if not any(one[0].lacks(other[0]) for other in candidates)])
-
-
-def same_at_all_joints(found: Found, most: int) -> list[Choice]:
-    """Best friction models that are the same at all joints, one a pattern, by the rows that joints are judged on."""
-    tables = found.tables
-    tested = [_normal(tables.design, fold.tested, found.choice.sigma) for fold in tables.folds]
-    best: list[tuple[float, tuple[Columns, ...]]] = []
-    for pattern in (each for each in patterns() if {*ALWAYS, "offset"} <= {*each.symbols}):
-        errors: list[tuple[float, tuple[Columns, ...]]] = []
-        for columns in Grid().settings(pattern):
-            unloaded = tuple(column for column in columns if column.symbol not in LOAD)
-            of_joints = tuple(columns if tau.any() else unloaded for tau in tables.design.tau)
-            active = _active(tables.design, of_joints)
-            of_folds = zip(tables.weights, tables.equations, tested, strict=True)
-            errors.append((sum(w * equations.error(fold, active) for w, equations, fold in of_folds), of_joints))
-        least = min(errors, key=lambda one: one[0])
-        best += [] if any(column.describes_reversals for columns in least[1] for column in columns) else [least]
-    ranked = sorted(best, key=lambda one: one[0])[:most]
-    return [Choice.of(tables.design, columns, found.choice.sigma) for _, columns in ranked]
 
 
 def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Columns:

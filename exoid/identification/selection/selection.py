@@ -142,7 +142,7 @@ def select_terms(
 
     The friction of each joint is chosen by itself, with the fewest numbers within one standard error of the best
     (docs/friction.md). Each recording is cut into as many stretches as there are folds; each is predicted from the
-    others. Models that are the same at all joints are candidates, too.
+    others.
 
     Args:
         leg: The leg.
