@@ -75,7 +75,7 @@ class Pattern(NamedTuple):
     @property
     def complexity(self) -> float:
         """Number of coefficients and settings; load friction in one direction of power only counts half more."""
-        # Smoothing or presliding is there always, one as long as the other; nor do c0 and d count, which every joint has.
+        # Smoothing or presliding is always there, the one or the other. Nor do c0 and d count, which every joint has.
         numbers = len({*self.symbols} - {*ALWAYS}) + ("cs" in self.symbols)
         return numbers + 0.5 * ("mu_back" in self.symbols and "mu_drive" not in self.symbols)
 
