@@ -6,15 +6,13 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.tools.numbers import checked
 
 
 def for_joints(value: ArrayLike, n: int, what: str) -> FloatArray:
     """Spread a number over the joints, or take one for each, (n,)."""
-    remedy = "give one number, or one for each joint"
-    try:
-        found = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise BadArgumentError(f"{what} is {value!r}", remedy=remedy) from None
+    found = checked(value, what, infinite=True)
     if found.shape not in ((), (1,), (n,)):
+        remedy = "give one number, or one for each joint"
         raise BadArgumentError(f"{what} of {found.size} joints for a leg of {n}", remedy=remedy)
     return np.broadcast_to(found, (n,)).copy()

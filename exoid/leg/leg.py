@@ -18,14 +18,7 @@ from exoid.tools.numbers import checked
 
 from .closure import Closure
 from .description import Description, read_description
-from .dynamics import (
-    SegmentPlacements,
-    gravity_torque,
-    inverse_dynamics,
-    inverse_dynamics_on_base,
-    joint_frames,
-    mass_matrix,
-)
+from .dynamics import SegmentPlacements, inverse_dynamics, inverse_dynamics_on_base, joint_frames, mass_matrix
 from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
 from .leg_data import LARGEST_BALL, Base, Contact, LegData, to_numbers, without_side
 from .link_frames import held_directions, link_frame, lowest_point
@@ -142,11 +135,8 @@ class Leg(LegData):
         description = add_edges(description, places) if places else description
         model = build_model(description, joints, locked, () if loops is None else loops.dependent)
         kinds = _contact_kinds(model, description, {**(contacts or {}), **dict.fromkeys(places, "edge")})
-        closure = (
-            None
-            if loops is None
-            else Closure.of(loops, model, partial(link_frame, model, description), description.name)
-        )
+        frame_of = partial(link_frame, model, description)
+        closure = None if loops is None else Closure.of(loops, model, frame_of, description.name)
         floating = base == "floating"
         if floating and closure is not None:
             raise NotSupportedError(
@@ -300,11 +290,7 @@ class Leg(LegData):
         Raises:
             ExoidError: The shape does not fit.
         """
-        (q,) = self.samples(q)
-        if torso is None and self.base != "floating":
-            tree = self.tree_motion(q)
-            return tree.project(gravity_torque(self.model, tree.q))
-        still = np.zeros_like(q)
+        still = np.zeros_like(self.samples(q)[0])
         return self.inverse_dynamics(q, still, still, None if torso is None else TorsoMotion(torso.pitch))
 
     def forward_kinematics(self, q: ArrayLike, torso: TorsoMotion | None = None) -> SegmentPlacements:
@@ -327,9 +313,8 @@ class Leg(LegData):
         )
         if torso is None:
             return upright
-        turn = np.array([pin.exp3(-pitch * self.plane.lateral) for pitch in torso.samples(len(q)).pitch]).reshape(
-            -1, 3, 3
-        )
+        turns = [pin.exp3(-pitch * self.plane.lateral) for pitch in torso.samples(len(q)).pitch]
+        turn = np.array(turns).reshape(-1, 3, 3)
         translation = self.hip + np.einsum("nij,nkj->nki", turn, upright.translation - self.hip)
         return SegmentPlacements(np.einsum("nij,nkjl->nkil", turn, upright.rotation), translation)
 

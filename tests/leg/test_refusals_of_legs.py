@@ -185,7 +185,7 @@ REFUSED = {
             for x in (np.ones(8), np.full(9, np.nan), "hello", np.ones((9, 9)))
         ),
         ("left, right", lambda: published.bleex().tables["II"].column("middle")),
-        ("cad, left, right", lambda: published.bleex_parameters("identified")),
+        ("left, right", lambda: published.bleex_parameters("identified")),
     ],
     NotSupportedError: [
         *(

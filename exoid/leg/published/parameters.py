@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from exoid.errors import BadArgumentError
-
 from .document import bleex, cuhk
 
 BLEEX_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
@@ -26,7 +24,6 @@ def bleex_parameters(which: str) -> dict[str, float]:
     Raises:
         ExoidError: There is no parameter set of that name.
     """
-    _one_of(which, BLEEX_SETS, "parameter set")
     document = bleex()
     if which == "cad":
         printed = dict(document.tables["V"].values)
@@ -92,7 +89,6 @@ def bleex_resistances(side: str) -> dict[str, float]:
     Raises:
         ExoidError: The side is neither left nor right.
     """
-    _one_of(side, ("left", "right"), "side")
     stiffness, friction = bleex().tables["I"].column(side), bleex().tables["IV"].column(side)
     resistances = {}
     for index, joint in ((2, "knee"), (3, "ankle")):
@@ -119,10 +115,3 @@ def cuhk_resistances() -> dict[str, float]:
         "d_knee": "knee_viscous",
     }
     return {name: cuhk().assumptions[source].value for name, source in sources.items()}
-
-
-def _one_of(name: str, known: tuple[str, ...], kind: str) -> None:
-    if name not in known:
-        raise BadArgumentError(
-            f"there is no {kind} {name!r}", where="BLEEX", remedy=f"choose one of {', '.join(known)}"
-        )
