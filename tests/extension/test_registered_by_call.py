@@ -104,7 +104,7 @@ class TestEstimators:
 @pytest.mark.parametrize(
     ("word", "call"),
     [
-        *(("is no type of term", lambda x=x: register_term("thick")(x)) for x in (Thick(), ZeroPhase, print)),
+        *(("is no type of term", lambda x=x: register_term("thick", x)) for x in (Thick(), ZeroPhase, print)),
         ("the term 'viscous' exists: exoid.torques.terms.Viscous", lambda: register_term("viscous", Thick)),
     ],
 )
