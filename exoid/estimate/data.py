@@ -189,10 +189,6 @@ class EstimateData(ParameterTable):
         """Go over the names of all parameters."""
         return iter((*self.names, *self.nonlinear.names))
 
-    def __contains__(self, name: object) -> bool:
-        """Whether there is a parameter of that name."""
-        return name in self.names or name in self.nonlinear.names
-
     def value(self, name: str) -> float:
         """Look up the value of one parameter: short for ``estimate[name].value``.
 

@@ -27,6 +27,7 @@ from .evidence import Evidence
 from .finding import Finding
 from .model_error import ModelError
 from .nonlinear import NonlinearParameters
+from .text import numbers_to_json
 
 SCHEMA = "exoid-estimate-2"
 
@@ -65,13 +66,9 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
 def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
     """Turn an estimate into what JSON can hold, values by name."""
     model, leg = estimate.model, estimate.model.leg
-    interval = estimate.interval(0.95)
     return {
         "schema": SCHEMA,
-        "values": named(estimate.names, estimate.values),
-        "std": named(estimate.names, estimate.std),
-        "interval_95": named(estimate.names, interval),
-        "units": named(estimate.names, estimate.units),
+        **numbers_to_json(estimate, estimate.interval()),
         "condition_number": estimate.condition_number,
         "evidence": json_value(estimate.evidence),
         "degrees_of_freedom": estimate.dof,
@@ -79,7 +76,6 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
         "merged": {regrouped.name: regrouped.into for regrouped in estimate.regrouped},
         "estimator": estimate.estimator,
         "preparation": preparation_to_json(estimate.preparation),
-        "determined": named(estimate.names, estimate.identifiability),
         "warnings": list(estimate.warnings),
         "findings": json_value(estimate.findings),
         "model_error": {} if estimate.model_error is None else json_value(estimate.model_error),
@@ -162,11 +158,7 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
 
 def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:
     return {
-        "values": named(nonlinear.names, nonlinear.values),
-        "std": named(nonlinear.names, nonlinear.std),
-        "interval_95": named(nonlinear.names, nonlinear.interval(dof)),
-        "units": named(nonlinear.names, nonlinear.units),
-        "determined": named(nonlinear.names, nonlinear.identifiability),
+        **numbers_to_json(nonlinear, nonlinear.interval(dof)),
         "held": list(nonlinear.held),
         "covariance": nonlinear.covariance.tolist(),
     }

@@ -12,6 +12,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.parameters import ParameterLayout, PriorKnowledge
+from exoid.tools.json_values import named
 from exoid.tools.tables import DataTable, Report, make_table
 
 from .comparison import SIGNIFICANT, Comparison, Equality, wald, welch
@@ -19,7 +20,7 @@ from .estimate import Estimate
 from .evidence import Evidence, freeze
 from .finding import Finding
 from .parameter import ParameterTable
-from .text import HEADERS, assumptions, condition, number_rows
+from .text import HEADERS, assumptions, condition, number_rows, numbers_to_json
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -163,17 +164,9 @@ class GroupedEstimate(Report, ParameterTable):
         Returns:
             Shared and own parameters, tests, and the estimate of each group.
         """
-        names = self.names
-        of_each = {
-            "values": self.values.tolist(),
-            "std": self.std.tolist(),
-            "interval_95": self.interval().tolist(),
-            "units": self.units,
-            "determined": self.identifiability,
-            "degrees_of_freedom": self.dof_each.tolist(),
-        }
         return {
-            **{key: dict(zip(names, column, strict=True)) for key, column in of_each.items()},
+            **numbers_to_json(self, self.interval()),
+            "degrees_of_freedom": named(self.names, self.dof_each),
             "shared": list(self.shared),
             "own": list(self.own),
             "condition_number": self.condition_number,
@@ -234,5 +227,4 @@ def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
 
 
 def _equality_to_json(equality: Equality) -> dict[str, Any]:
-    columns = {"p_values": equality.p_values, "adjusted": equality.adjusted}
-    return {key: dict(zip(equality.names, column.tolist(), strict=True)) for key, column in columns.items()}
+    return {key: named(equality.names, getattr(equality, key)) for key in ("p_values", "adjusted")}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from exoid.actuators.drive_data import describe_actuators
 from exoid.regression.diagnostics import ILL_CONDITIONED, identifiability_class
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import ZeroPhase
+from exoid.tools.json_values import named
 from exoid.tools.tables import DataTable, with_error
 
 from .data import EstimateData
@@ -58,6 +60,13 @@ def number_rows(of: ParameterTable | NonlinearParameters, intervals: FloatArray)
         (name, *written(value, std, interval), unit, in_words(judged, interval))
         for name, value, std, interval, unit, judged in zip(*columns, strict=True)
     ]
+
+
+def numbers_to_json(of: ParameterTable | NonlinearParameters, intervals: FloatArray) -> dict[str, Any]:
+    """Turn the numbers of each parameter into what JSON can hold, by name."""
+    keys = "values", "std", "interval_95", "units", "determined"
+    columns = (of.values, of.std, intervals, of.units, of.identifiability)
+    return {key: named(of.names, column) for key, column in zip(keys, columns, strict=True)}
 
 
 def in_words(judged: str, interval: FloatArray) -> str:
