@@ -13,7 +13,7 @@ from exoid.estimate.comparison import equality_of
 from exoid.estimate.data import Input
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.evidence import Evidence, Support
-from exoid.estimate.finding import ordered
+from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
@@ -37,7 +37,7 @@ from .checkup import check_group
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup
-from .findings.physics import never_negative
+from .findings.physics import impossible_leg, never_negative
 from .group_rows import Group
 from .groups import shared_agreement
 from .problem import Fitted
@@ -135,7 +135,10 @@ class Result:
         checkup, error = Checkup(), None
         if check and not standing:
             checkup, error = check_group(self.fitted, first, covariance, residual_rms, noise or ())
-        on_ground = torque_findings(self.fitted, parts) if check and standing else ()
+        on_ground: list[Finding] = []
+        if check and standing:
+            on_ground += torque_findings(self.fitted, parts)
+            on_ground += impossible_leg(model.leg, values, covariance, [each.R for each in factors])
         of_fit = self.fitted.findings if first == 0 else ()  # said once
         assert rows.preparation is not None
         estimate = Estimate(

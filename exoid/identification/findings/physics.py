@@ -135,8 +135,12 @@ def impossible_leg(
         f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {apart:.3g} standard "
         "deviations away"
     )
-    remedy = "look for a wrong sign, unit, length or payload; rotors and springs that the model lacks also do this"
-    yield Finding("impossible-leg", "", apart, "1", "warning", message, remedy, parameters=tuple(leg.parameter_names))
+    remedy = (
+        "look for a wrong sign, unit, length, payload or contact; rotors and springs that the model lacks also do this"
+    )
+    # but they make no mass of a whole machine negative
+    severity: Severity = "error" if leg.base_rows and bodies[0] < -IMPOSSIBLE * np.sqrt(errors[0, 0]) else "warning"
+    yield Finding("impossible-leg", "", apart, "1", severity, message, remedy, parameters=tuple(leg.parameter_names))
 
 
 def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:

@@ -331,6 +331,12 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     both, left, right = stance
     logs = [strapped(exo, both), wrongly(left, "right_foot", True, 1), right.recording]
     assert {"slipping-contact", "friction-cone"} <= {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
+    other = {"left_foot": "right_foot", "right_foot": "left_foot"}
+    logs = [
+        replace(log.recording, contacts={other[link]: flags for link, flags in log.recording.contacts.items()})
+        for log in stance
+    ]
+    assert "impossible-leg" in {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
 
 
 @pytest.mark.slow
