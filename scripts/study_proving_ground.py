@@ -165,7 +165,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default=f"{REPORTED}:{REPORTED + 40}", help="first:last + 1")
     parser.add_argument("--features", default="fit,select,check,doctor", help="of these")
-    parser.add_argument("--mistakes", type=int, help="how many of the mistakes, the first; all if not given")
+    parser.add_argument("--mistakes", default="", help="only mistakes whose name has this text")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--keep", type=Path, help="file with a line of JSON for each machine")
     given = parser.parse_args()
@@ -174,7 +174,10 @@ def main() -> None:
     outcomes = {outcome.machine.seed: outcome for outcome in map(from_json, known)}
     missing, features = [seed for seed in seeds if seed not in outcomes], given.features.split(",")
     for outcome in population(
-        missing, workers=given.workers, features=features, mistakes=[*MISTAKES][: given.mistakes]
+        missing,
+        workers=given.workers,
+        features=features,
+        mistakes=[each for each in MISTAKES if given.mistakes in each],
     ):
         outcomes[outcome.machine.seed] = outcome
         print(line(outcome), file=sys.stderr, flush=True)
