@@ -37,6 +37,7 @@ LEAST = 0.003  # residuals within so large a part of the torque of their row are
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
+FAR_OFF = 0.05  # a sensor this far from where the log says moves the mass of a machine by percents [m]
 MANY = 2000  # samples that the reference of closed chains is chosen for
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
 
@@ -235,6 +236,18 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     ]
     if parts.imu is not None and parts.imu.rocks:
         late.append(_rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
+    size = float(np.linalg.norm(parts.beside))
+    if size > 0.0 and recording.base is not None:
+        place = ", ".join(f"{x:.2f}" for x in recording.base.position + parts.beside)
+        text = (
+            f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on its feet tell"
+        )
+        advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
+        late.append(
+            Finding(
+                "imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice, recording=name
+            )
+        )
     return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),

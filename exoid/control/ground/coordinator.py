@@ -129,6 +129,7 @@ class Coordinator:
         """Check numbers and table."""
         times = [self.rise_time, self.jerk_time, self.hold, self.patience, self.transfer, self.about, self.lasts]
         checked([*times, self.power, self.damping, self.rate], "numbers of a coordinator", above=0.0)
+        checked(self.likely, "the probability of a coordinator", above=0.0, most=1.0)
         checked(self.limit, "the limits of a coordinator [N·m]", above=0.0)
         _check_table(self.functions, self.table)
 

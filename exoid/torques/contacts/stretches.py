@@ -20,7 +20,7 @@ from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import Elimination, eliminate
-from .imu import CorrectedBase, ImuErrors, imu_errors
+from .imu import CorrectedBase, ImuErrors, beside, imu_errors
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import Slip, low_passed, sliding, slipping
 from .standing_base import level_rotation, standing_base, standing_reading
@@ -74,6 +74,7 @@ class Split(NamedTuple):
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
+        beside: How far the sensor on the base is from its place in the log [m], (3,); zero where that does not show.
     """
 
     stretches: tuple[Stretch, ...]
@@ -82,6 +83,7 @@ class Split(NamedTuple):
     visible: float
     near: float
     late: Mapping[str, float]
+    beside: FloatArray
 
 
 def split(
@@ -131,7 +133,7 @@ def split(
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    recording, imu, slip = _without_bias(leg, recording, soles, session, tell=tell)
+    recording, imu, slip, place = _without_bias(leg, recording, soles, session, tell=tell)
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
@@ -175,16 +177,16 @@ def split(
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted))) for part in parts))
-    return Split(tuple(found), left_out, imu, slip.visible, near, late)
+    return Split(tuple(found), left_out, imu, slip.visible, near, late, place)
 
 
 def _without_bias(
     leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, *, tell: bool
-) -> tuple[Recording, ImuErrors | None, Slip]:
-    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, and slips."""
+) -> tuple[Recording, ImuErrors | None, Slip, FloatArray]:
+    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, slips, and its place."""
     base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
     if base is None or not leg.base_rows:
-        return raw, imu, slip
+        return raw, imu, slip, np.zeros(3)
     still, corrected = {link: standing_reading(leg, raw, link, base.position) for link in soles}, base
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
@@ -198,7 +200,7 @@ def _without_bias(
         slip = sliding(corrected, still, soles, rate) if raw.contacts else slip
         if not slip.slides.any():
             break
-    return replace(raw, base=corrected), imu, slip
+    return replace(raw, base=corrected), imu, slip, beside(base, still, soles, rate)
 
 
 def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], rows: Elimination) -> None:

@@ -159,6 +159,28 @@ def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
     assert first.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.005)
 
 
+def displaced(log, place, seed):
+    """A sensor that is elsewhere than the log says."""
+    base, omega = log.base, log.base.angular_velocity
+    more = np.cross(base.angular_acceleration, place) + np.cross(omega, np.cross(omega, place))
+    return with_imu(log._replace(base=replace(base, specific_force=base.specific_force + more)), seed)
+
+
+def test_the_place_of_a_sensor_shows_while_feet_rest(exo):
+    log = standing(exo, "both", seconds=12.0, seed=3, noise=NOISE, encoder=ENCODER, friction=friction)
+    for place in ((0.06, 0.0, 0.2), (0.0, 0.0, -0.04), (0.0, 0.0, 0.0)):
+        np.testing.assert_allclose(split(exo, displaced(log, place, 3)).beside, place, atol=0.005)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("height", "severity"), [(0.2, "error"), (0.04, "warning")])
+def test_a_sensor_that_is_elsewhere_is_named(exo, stance, height, severity):
+    logs = [displaced(log, (0.0, 0.0, height), k) for k, log in enumerate(stance)]
+    found = [one for one in exoid.check(exo, logs, terms=TERMS) if one.kind == "imu-position"]
+    assert [one.severity for one in found] == [severity] * 3
+    assert found[0].value == pytest.approx(height, abs=0.005)
+
+
 def tipped(time):
     """Flat for most of the time, and on the toe or the heel by 20 mrad for a second each."""
     onto = [np.tanh((time - at) / 0.1) - np.tanh((time - at - 1.0) / 0.1) for at in (2.0, 5.0, 8.0)]
@@ -332,10 +354,8 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     logs = [strapped(exo, both), wrongly(left, "right_foot", True, 1), right.recording]
     assert {"slipping-contact", "friction-cone"} <= {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
     other = {"left_foot": "right_foot", "right_foot": "left_foot"}
-    logs = [
-        replace(log.recording, contacts={other[link]: flags for link, flags in log.recording.contacts.items()})
-        for log in stance
-    ]
+    turned = [{other[link]: flags for link, flags in log.recording.contacts.items()} for log in stance]
+    logs = [replace(log.recording, contacts=each) for log, each in zip(stance, turned, strict=True)]
     assert "impossible-leg" in {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
 
 
