@@ -1,6 +1,6 @@
 """What do point feet tell of a quadruped? ANYmal stands, lifts its feet and trots in MuJoCo; see docs/ground.md.
 
-    python scripts/study_point_feet.py --seeds 8      # seeds from 1000, about a minute each on one core
+    python scripts/study_point_feet.py --seeds 8      # seeds from 1000, some minutes each on one core
     python scripts/study_point_feet.py --radius 0.03 --said 0.03    # balls [m] that are said to be balls
 
 An IMU measures the base, and switches say which feet are down; forces on the feet are not measured. Noise: 1 % of the
