@@ -109,7 +109,7 @@ def rocking_logs(exo, sole, plates=False):
 
 @pytest.mark.parametrize(
     ("sole", "plates"),
-    [(np.zeros_like, False), (rocking, False), pytest.param(rocking, True, marks=pytest.mark.slow)],
+    [(np.zeros_like, False), *(pytest.param(rocking, each, marks=pytest.mark.slow) for each in (False, True))],
 )
 def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, sole, plates):
     """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
