@@ -175,6 +175,7 @@ def test_mistakes_are_named(request, seed, mistake):
         (0, "a spring"): "8 of 12 machines",
         (0, "an elastic joint"): "26 of 44 machines",
         (0, "scale of a torque grows by 0.1 half way"): "23 of 32 machines",
+        (0, "somebody pushes for half a second"): "32 of 40 machines, seeds from 1000",
         (5, "one torque 25 ms late"): "14 of 20 machines",
         (5, "torque sensor reads 1.3 times"): "9 of 12 machines",
         (5, "sign of one angle"): "11 of 12 machines",

@@ -160,7 +160,6 @@ def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
 
 
 def displaced(log, place, seed):
-    """A sensor that is elsewhere than the log says."""
     base, omega = log.base, log.base.angular_velocity
     more = np.cross(base.angular_acceleration, place) + np.cross(omega, np.cross(omega, place))
     return with_imu(log._replace(base=replace(base, specific_force=base.specific_force + more)), seed)
