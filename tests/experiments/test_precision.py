@@ -89,9 +89,8 @@ def test_narrow_band_noise_counts_by_its_spectral_density(multisine):
     """Doubling the rate reduces the standard deviation under white noise, but not under noise up to 20 Hz."""
     slow, fast = log(multisine, 20.0, 100.0), log(multisine, 20.0, 200.0)
     for bandwidth, gain in ((np.inf, np.sqrt(2.0)), (20.0, 1.0)):
-        one, two = (
-            information_of(SMOOTH, [x], TorqueNoise(STD, bandwidth)).precision(SMOOTH, SCALES).std for x in (slow, fast)
-        )
+        noise = TorqueNoise(STD, bandwidth)
+        one, two = (information_of(SMOOTH, [x], noise).precision(SMOOTH, SCALES).std for x in (slow, fast))
         np.testing.assert_allclose(one / two, gain, rtol=0.02)
 
 

@@ -12,7 +12,6 @@ OF_TORQUES = "sign of one torque", "one torque 40 ms late", "two far joints swap
 
 @pytest.fixture(scope="module")
 def outcomes():
-    """Three machines with logs of eight seconds."""
     return list(population((5, 21, 22), seconds=8.0))
 
 

@@ -138,7 +138,7 @@ def impossible_leg(
     remedy = (
         "look for a wrong sign, unit, length, payload or contact; rotors and springs that the model lacks also do this"
     )
-    # but they make no mass of a whole machine negative
+    # but they make no mass of a whole machine, the first parameter of a floating base, negative
     severity: Severity = "error" if leg.base_rows and bodies[0] < -IMPOSSIBLE * np.sqrt(errors[0, 0]) else "warning"
     yield Finding("impossible-leg", "", apart, "1", severity, message, remedy, parameters=tuple(leg.parameter_names))
 

@@ -111,9 +111,9 @@ def imu_errors(
 def beside(
     base: BaseMotion, still: Mapping[str, StandingBase], resting: Mapping[str, NDArray[np.bool_]], rate: float
 ) -> FloatArray:
-    """Find how far the sensor is from its place in the log, as turns of the base on flat feet tell [m], (3,)."""
-    # By r from there it reads α × r + ω × (ω × r) more. Biases are slow: means of each rest are left out. Where nothing
-    # shows, it is zero.
+    """Find how far a sensor is from its place in the log, as turns on flat feet tell; in axes of the base [m], (3,)."""
+    # A sensor at r from there reads f' = f + α × r + ω × (ω × r), as BaseKinematics.specific_force_at. Biases are slow:
+    # means of each rest are left out. Where nothing shows, r is zero.
     tables = [np.zeros((0, 4))]
     for link, flags in resting.items():
         omega, aside = still[link].angular_velocity, base.specific_force - still[link].specific_force

@@ -74,7 +74,7 @@ class Split(NamedTuple):
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
-        beside: How far the sensor on the base is from its place in the log [m], (3,); zero where that does not show.
+        beside: How far the sensor on the base is from its place in the log, in the axes of the base [m], (3,); or zero.
     """
 
     stretches: tuple[Stretch, ...]

@@ -54,7 +54,6 @@ def without_four_samples(log):
 
 
 def jittered(log):
-    """Stamp samples when they arrive, with noise of 2 ms."""
     late = 0.002 * np.random.default_rng(0).standard_normal(len(log))
     return dataclasses.replace(log, time=np.maximum.accumulate(log.time + late) + 1e-6 * np.arange(len(log)))
 
@@ -138,9 +137,12 @@ FAULTS = {
     "cross-talk": Fault(
         lambda log: with_column(log, "tau", 1, lambda x: x + 0.05 * log.tau[:, 0]), "cross-talk", 1, about(0.05, 0.01)
     ),
-    "an angle off 4 times a turn": Fault(
-        column("q", 1, lambda x: x + 0.005 * np.sin(4 * x + 0.5)), "angle-ripple", 1, about(0.005, 0.001)
-    ),
+    **{
+        f"an angle off {k} times a turn": Fault(
+            column("q", 1, lambda x, k=k: x + 0.005 * np.sin(k * x + 0.5)), "angle-ripple", 1, about(0.005, 0.001)
+        )
+        for k in (4, 8)
+    },
     "a push": Fault(
         column("tau", 1, lambda x: x + 2.0 * x.std() * np.exp(-(((np.arange(len(x)) - 1500) / 50.0) ** 2))),
         *("large-residual", 1, None, "over half of that around 17.1"),
