@@ -9,11 +9,12 @@ from exoid.codegen import CSource, write_c
 from exoid.codegen.drives import with_form_in_c
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR
+from exoid.tools.files import refuse_content, write_whole
 from exoid.tools.tables import DataTable, Report
 
 from .data import EstimateData
 from .export import Export, export_urdf
-from .file import estimate_to_json, read_estimate, write_estimate
+from .file import estimate_text, estimate_to_json, read_estimate
 from .mjcf import MjcfExport, export_mjcf
 from .text import provenance, report
 
@@ -40,7 +41,8 @@ class Estimate(Report, EstimateData):
         Raises:
             ExoidError: The file cannot be written.
         """
-        write_estimate(self, path)
+        refuse_content(path, [each.sha256 for each in self.inputs if each.sha256])
+        write_whole(path, [estimate_text(self)])
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Estimate:

@@ -17,7 +17,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.loops import Loops
 from exoid.regression.parameters import Prior, PriorKnowledge
 from exoid.signals.preparation import preparation_from_json, preparation_to_json
-from exoid.tools.files import read_json, refuse_content, write_whole
+from exoid.tools.files import read_json
 from exoid.tools.json_values import json_value, named, record, records
 from exoid.torques import TorqueModel
 from exoid.torques.catalog import TERMS
@@ -38,12 +38,6 @@ WRITTEN = "give the file that exoid identify -o wrote; it stands before the logs
 """Remedy for a file that is no estimate."""
 
 E = TypeVar("E", bound=EstimateData)
-
-
-def write_estimate(estimate: EstimateData, path: str | os.PathLike[str]) -> None:
-    """Write an estimate; see :meth:`Estimate.save`."""
-    refuse_content(path, [each.sha256 for each in estimate.inputs if each.sha256])
-    write_whole(path, [estimate_text(estimate)])
 
 
 def estimate_text(estimate: EstimateData) -> str:

@@ -133,31 +133,24 @@ def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
     return replace(recording, contacts=contacts, wrenches=others)
 
 
-class _Solution(NamedTuple):
-    """Wrenches of the links of a stretch in level axes, (N, 6 m), and their standard deviations."""
-
-    wrench: FloatArray
-    std: FloatArray
-
-
 def stretch_forces(
     estimate: EstimateData, ground: Ground | None, stretch: Stretch, feet: Sequence[str]
 ) -> list[GroundForce]:
     """Find the wrenches of one stretch; with a ground, their bands have the noise of angles and base, too."""
     leg, recording = estimate.model.leg, stretch.recording
     assert recording.mask is not None
-    found, rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
+    (found, std), rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
     noisier = _noisier(leg, ground, stretch.recording, rng) if ground else ()
-    again = [_solution(estimate, stretch._replace(recording=each), feet) for each in noisier]
-    of_motion = np.mean([(each.wrench - found.wrench) ** 2 for each in again], axis=(0, 1)) if again else 0.0
+    again = [_solution(estimate, stretch._replace(recording=each), feet)[0] for each in noisier]
+    of_motion = np.mean([(each - found) ** 2 for each in again], axis=(0, 1)) if again else 0.0
     # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing)
-    once = np.zeros((found.wrench.shape[1], len(recording)))
-    once[:, recording.mask] = found.wrench.T
+    once = np.zeros((found.shape[1], len(recording)))
+    once[:, recording.mask] = found.T
     smeared = (once - _filtered(estimate, recording, once))[:, recording.mask].T
-    half = half_width(0.95, estimate.dof) * np.sqrt(found.std**2 + of_motion + smeared**2)
+    half = half_width(0.95, estimate.dof) * np.sqrt(std**2 + of_motion + smeared**2)
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
-        wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found.wrench, half))
+        wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found, half))
         forces.append(GroundForce(time, wrench[:, :3], wrench[:, 3:], band[:, :3], band[:, 3:]))
     return forces
 
@@ -180,8 +173,8 @@ def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Gene
         yield ground.under(leg, shaken, np.sqrt(3.0) * root[:, k] if k < len(root) else np.zeros(len(root)))
 
 
-def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> _Solution:
-    """Solve for the wrenches of one stretch."""
+def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+    """Solve for the wrenches of the links of a stretch in level axes, (N, 6 m), and their standard deviations."""
     model, leg, recording = estimate.model, estimate.model.leg, stretch.recording
     assert recording.tau is not None
     assert recording.mask is not None
@@ -212,7 +205,7 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
 
 def _solve(
     estimate: EstimateData, jacobian: FloatArray, borne: Sequence[FloatArray], W: FloatArray, excess: FloatArray
-) -> _Solution:
+) -> tuple[FloatArray, FloatArray]:
     """Solve J_cᵀ w = W β − [0; τ] by weighted least squares at each sample, in level axes."""
     noise = np.append(np.zeros(estimate.model.leg.base_rows), estimate.residual_rms) ** 2
     doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
@@ -224,7 +217,7 @@ def _solve(
     # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
     whole = np.concatenate([each.diagonal() for each in borne])
     std = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
-    return _Solution(np.einsum("ncr,nr->nc", inverse, excess), std)
+    return np.einsum("ncr,nr->nc", inverse, excess), std
 
 
 def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: MovingBase | None) -> FloatArray:

@@ -31,7 +31,10 @@ from .torque_band import parameter_variance
 
 LEVEL = 0.95  # probability that a band contains a measured torque
 FORCE = 0.2  # standard deviation of the bias of a sensor that no foot told [m/s²]
-PIECE, BLOCK = 0.25, 1.5  # times in which a foot that rocks leans alike, and beyond which noise is not correlated [s]
+PIECE, BLOCK = 0.25, 1.5
+"""Time in which a foot that rocks leans alike [s], and time beyond which the noise of rows is not correlated [s]: a
+stride, whose touch-downs are alike."""
+
 T = TypeVar("T", bound=tuple[FloatArray, ...])
 
 

@@ -32,11 +32,6 @@ class AlternativeFriction:
     speed: FloatArray  # largest speed of the training [rad/s], (n,)
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns, (K,)."""
-        return tuple(f"alternative {k}" for k in range(COUNT))
-
-    @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint: all, (n, K)."""
         return np.ones((len(self.speed), COUNT), dtype=np.bool_)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +11,6 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
-from exoid.estimate.model_error import ModelError
-from exoid.regression.diagnostics import JointNoise
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings, without_torque_delay
 from exoid.signals.cutoff import white_noise
@@ -21,28 +19,26 @@ from .estimators import Estimator
 from .estimators.by_name import fit_linear
 from .findings.arms import arm_shapes
 from .findings.channels import quantum
-from .findings.checkup import Checkup, check_fit
 from .findings.sample import FittedLeg, few_of
 from .findings.score import in_half_widths
 from .findings.search import delays, find_faults
-from .friction_form import friction_form_error
 from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import torque_delays
 
 
-def check_group(
-    fitted: Fitted, group: int, covariance: FloatArray, residual_rms: FloatArray, noise: Sequence[JointNoise]
-) -> tuple[Checkup, ModelError | None]:
-    """Check the logs of one group and the fit to them; and how far friction of another form may move its torques."""
-    leg, actuators = _fitted_leg(fitted, group, covariance), fitted.problem.groups[group].actuators
-    leg = leg if actuators is None else leg._replace(arms=arm_shapes(actuators, leg.model.leg))
-    checkup = check_fit(leg)
-    if checkup.ranges is None:
-        return checkup, None
-    speed = checkup.ranges.speed
-    share = np.array([joint.effective_samples / max(joint.samples, 1) for joint in noise])
-    return checkup, friction_form_error(leg, speed, residual_rms, share, checkup.moving)
+def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
+    """Gather what a check of one group needs."""
+    model, problem, rows = fitted.models[group], fitted.problem, fitted.problem.groups[group]
+    place = problem.layout.groups.index(rows.name)
+    names = problem.layout.names_of(place)
+    known = problem.layout.known_by(place, problem.prior_knowledge).known
+    held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
+    fixed = np.array([{**known, **held}.get(name, np.nan) for name in model.names])
+    errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
+    arms = {} if rows.actuators is None else arm_shapes(rows.actuators, model.leg)
+    assert rows.preparation is not None
+    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors, arms)
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -168,7 +164,7 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
     for group in problem.groups:
         parts = [k for k, one in enumerate(fitted.problem.groups) if one.name == group.name]
         if fitted.problem.groups[parts[0]].links is None:
-            leg = _fitted_leg(fitted, parts[0])
+            leg = fitted_leg(fitted, parts[0])
             late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(leg.model.joint_names))
         else:
             late = torque_delays(fitted, parts)
@@ -191,16 +187,3 @@ def _shifted(group: Group, late: tuple[FloatArray, FloatArray]) -> Group:
     chosen = (for_leg(group.model, one) for one in group.data)
     data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
     return replace(group, data=data, delays=late[0], findings=tuple(found))
-
-
-def _fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
-    """Gather what a check of one group needs."""
-    model, problem, rows = fitted.models[group], fitted.problem, fitted.problem.groups[group]
-    place = problem.layout.groups.index(rows.name)
-    names = problem.layout.names_of(place)
-    known = problem.layout.known_by(place, problem.prior_knowledge).known
-    held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
-    fixed = np.array([{**known, **held}.get(name, np.nan) for name in model.names])
-    errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
-    assert rows.preparation is not None
-    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors)

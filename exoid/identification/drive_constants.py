@@ -21,7 +21,7 @@ from exoid.signals import Recording, Recordings
 
 from .drives import DriveModel
 from .estimators import Estimator
-from .estimators.by_name import fit_by
+from .estimators.by_name import fit_linear
 from .group_rows import Data
 from .problem import Fitted, Problem
 from .recording_summary import RecordingSummary
@@ -56,7 +56,7 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     constants = unknown_constants(actuators)
     names = tuple(each.name for each in constants)
     start = {each.name: each.constant.start for each in constants}
-    point, held, backwards = _Point(fit_by(estimator, given).solution.values, start), dict[str, str](), 0
+    point, held, backwards = _Point(fit_linear(given, estimator).fit.solution.values, start), dict[str, str](), 0
     for _ in range(ROUNDS):
         free = tuple(each for each in constants if each.name not in held)
         found = with_constants(actuators, point.constants)
@@ -194,7 +194,7 @@ def _recomputed(data: Data, actuators: Actuators) -> Data:
 def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
     """Solve a round; errors about constants say what to record."""
     try:
-        return fit_by(estimator, problem)
+        return fit_linear(problem, estimator).fit
     except ExoidError as error:
         if any(name in error.what for name in names):
             error.remedy, error.command = ADVICE, COMMAND

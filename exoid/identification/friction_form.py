@@ -10,20 +10,18 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.model_error import COUNT, KINDS, ModelError
+from exoid.regression.diagnostics import JointNoise
 from exoid.regression.least_squares import scaled_inverse
 from exoid.regression.row_data import Rows
 
+from .findings.checkup import Checkup
 from .findings.sample import FittedLeg
 
 TINY = 1e-12  # smallest norm to divide by
 
 
 def friction_form_error(
-    fitted: FittedLeg,
-    speed: FloatArray,
-    residual_rms: FloatArray,
-    independent: FloatArray,
-    rows: Sequence[Rows],
+    fitted: FittedLeg, checkup: Checkup, residual_rms: FloatArray, noise: Sequence[JointNoise]
 ) -> ModelError | None:
     """Average over forms of friction that the terms do not have (Bayesian model averaging)."""
     # The candidates are presliding, Stribeck, quadratic and load-dependent friction, each alone and all together. Each
@@ -31,17 +29,18 @@ def friction_form_error(
     # weighted rows less what the parameters absorb, and r the weighted residuals, c has the posterior covariance
     # S = (XᵀX + s⁻²)⁻¹ and mean S Xᵀr, and the evidence of the candidate is log p = ½ rᵀX S Xᵀr − ½ log|1 + s² XᵀX|.
     # Rows count by their share of independent samples. E[c cᵀ] is the mean over candidates, by their evidence.
-    if not rows:
+    if checkup.ranges is None or not checkup.moving:
         return None
-    rows = [one._replace(W=one.W[..., np.r_[: len(fitted.values), -COUNT:0]]) for one in rows]
+    speed, columns = checkup.ranges.speed, np.r_[: len(fitted.values), -COUNT:0]
+    rows = [one._replace(W=one.W[..., columns]) for one in checkup.moving]
     joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
     G = _absorbed(joints, np.isnan(fitted.fixed))
     size = len(joints) * COUNT
     H, h = np.zeros((size, size)), np.zeros(size)
-    for j, joint in enumerate(joints):
+    for j, (joint, of_joint) in enumerate(zip(joints, noise, strict=True)):
         X = -joint.W @ G
         X[:, j * COUNT : (j + 1) * COUNT] += joint.Z
-        share = min(max(float(independent[j]), 0.0), 1.0)
+        share = min(max(of_joint.effective_samples / max(of_joint.samples, 1), 0.0), 1.0)
         H += share * X.T @ X
         h += share * X.T @ joint.residual
     unit = np.concatenate([joint.unit for joint in joints])

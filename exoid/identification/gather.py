@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 
@@ -18,7 +18,6 @@ from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
 from exoid.signals.preparation import preparation_from_json
 from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
-from exoid.torques.regrouping import regroup
 
 from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
@@ -83,7 +82,7 @@ def begin(
             remedy="leave LoadFriction out, or identify them one by one",
         )
     groups = tuple(
-        Group(name, model_with(of_group, chosen, knowledge.known_names), data, actuators=mounted.get(name))
+        Group(name, model_with(of_group, chosen, knowledge.known), data, actuators=mounted.get(name))
         for name, (of_group, data) in pairs.items()
     )
     return Problem(groups, own_parameters(groups, own), knowledge, chosen)
@@ -114,8 +113,7 @@ def gather(
         # On a fixed base a rotor at the hip turns with the whole leg, and J1 includes it. Where the torso pitches by ψ,
         # the leg has the acceleration q̈ + ψ̈ and the rotor q̈.
         models = [group.model for group in problem.groups]
-        still = [regroup(model.leg, model.blocks, model.rigid, moving_base=True) for model in models]
-        pairs = zip(models, ({one.name for one in merged} for merged in still), strict=True)
+        pairs = [(model, {one.name for one in model.dependent(moving_base=True)}) for model in models]
         apart = {one.name: None for model, names in pairs for one in model.regrouped if one.name not in names}
         problem = _remodelled(problem, own, tuple(apart))
     if isinstance(preparation, str):
@@ -174,15 +172,14 @@ def _summarize(problem: Problem, *, for_cutoff: bool) -> Problem:
 
 def _remodelled(problem: Problem, own: str | Sequence[str] | None, apart: Sequence[str] = ()) -> Problem:
     """Make the torque model of each group anew: terms have changed, or some parameters stand apart."""
-    known = problem.given.known_names
-    groups = tuple(
-        replace(group, model=model_with(group.model.leg, problem.terms, known, apart)) for group in problem.groups
-    )
+    terms, known = problem.terms, problem.given.known
+    groups = tuple(replace(group, model=model_with(group.model.leg, terms, known, apart)) for group in problem.groups)
     return replace(problem, groups=groups, own=own_parameters(groups, own))
 
 
-def model_with(leg: Leg, terms: Sequence[Term], known: Sequence[str], apart: Sequence[str] = ()) -> TorqueModel:
+def model_with(leg: Leg, terms: Sequence[Term], known: Iterable[str], apart: Sequence[str] = ()) -> TorqueModel:
     """Make a torque model: parameters are regrouped into free ones only, since a known one cannot take them in."""
-    model = TorqueModel(leg, tuple(terms), separate=(*known, *apart))
-    freed = [one.name for one in model.regrouped if not one.into.keys().isdisjoint(known)]
-    return TorqueModel(leg, model.terms, separate=(*known, *apart, *freed)) if freed else model
+    separate = dict.fromkeys(name.partition("[")[0] for name in known)  # "Ia_hip[left]" is that of one group
+    model = TorqueModel(leg, tuple(terms), separate=(*separate, *apart))
+    freed = [one.name for one in model.regrouped if not one.into.keys().isdisjoint(separate)]
+    return TorqueModel(leg, model.terms, separate=(*separate, *apart, *freed)) if freed else model

@@ -73,12 +73,6 @@ class Group:
         """Whether recordings have to be split by the links that rest on the ground."""
         return bool(self.model.leg.base_rows) or any(one.stands for one in self.summaries)
 
-    @property
-    def plain_model(self) -> TorqueModel:
-        """Torque model of the leg, whatever rests on the ground."""
-        model = self.model
-        return TorqueModel(model.leg, model.terms, model.rigid, model.regrouped, model.separate)
-
     @cached_property
     def r_factors(self) -> list[RFactor]:
         """One R factor a joint over all recordings, then one over all poses, which have noise of their own."""

@@ -17,7 +17,7 @@ from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.recordings import RecordingFile
 
 from .estimators import Estimator
-from .estimators.by_name import fit_by
+from .estimators.by_name import fit_linear
 from .group_rows import Data, Group, Measured, check_recordings
 from .problem import Problem
 
@@ -133,7 +133,7 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         of_group = tuple(rows for rows in problem.groups if rows.name == group)
         alone = Problem(of_group, (), PriorKnowledge(known))
         try:
-            fit = fit_by(estimator, alone)
+            fit = fit_linear(alone, estimator).fit
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
             return Agreement(None, notes=(f"whether groups agree on what they share was not tested: {why}",))

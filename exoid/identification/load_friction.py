@@ -14,7 +14,7 @@ from exoid.torques import TorqueModel
 from exoid.torques.linearised import Linearised
 
 from .estimators import Estimator
-from .estimators.by_name import fit_by
+from .estimators.by_name import fit_linear
 from .problem import Fitted, Problem
 
 STEPS = 8  # steps at most, of least squares and then of the estimator asked for
@@ -28,7 +28,7 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
     values, change = _start(given), np.inf
     for _ in range(STEPS):
         problem = given.changed(model=Linearised.of(given.model, values))
-        fit = fit_by(estimator, problem)
+        fit = fit_linear(problem, estimator).fit
         before, values = values, fit.solution.values
         moved = values - before
         if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ALIKE * np.abs(before)).all():

@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding
 from exoid.estimate.nonlinear import NonlinearParameters
-from exoid.regression.least_squares import RFactor, Solution, solve, stack
+from exoid.regression.least_squares import RFactor, Solution, solve
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.problem import Fit
 from exoid.regression.row_data import NoiseKind, RowBlock
@@ -106,8 +106,11 @@ class Problem:
     @cached_property
     def r_factors(self) -> list[RFactor]:
         """R factors of all groups, group by group, with a column for every parameter."""
-        pairs = enumerate(self.groups)
-        return [self.widened(r_factor, k) for k, group in pairs for r_factor in group.r_factors]
+        count, widened = len(self.names), []
+        for places, group in zip(self.places, self.groups, strict=True):
+            here, own = np.array_equal(places, np.arange(count)), np.append(places, count)
+            widened += [each if here else each.among(own, count + 1) for each in group.r_factors]
+        return widened
 
     @cached_property
     def columns(self) -> list[NDArray[np.intp]]:
@@ -137,23 +140,11 @@ class Problem:
                 rows = group.decimated(index)
                 yield RowBlock(NoiseKind(group.at_rest(index), rate_class(rows.time)), rows, first)
 
-    def widened(self, r_factor: RFactor, group: int) -> RFactor:
-        """Put the columns of an R factor of one group where its parameters stand."""
-        count = len(self.names)
-        if np.array_equal(self.places[group], np.arange(count)):
-            return r_factor
-        return r_factor.among(np.append(self.places[group], count), count + 1)
-
     @cached_property
     def starts(self) -> NDArray[np.intp]:
         """First joint, and first R factor, of each group, and how many there are in all, (2, G + 1)."""
         counts = [(len(group.model.row_names), len(group.r_factors)) for group in self.groups]
         return np.cumsum([(0, 0), *counts], axis=0).T
-
-    def rows_of(self, group: int, weights: Sequence[float]) -> RFactor:
-        """Weighted rows of one group."""
-        of_group = slice(*self.starts[1, group : group + 2])
-        return self.widened(stack(self.groups[group].r_factors, weights[of_group]), group)
 
 
 class Fitted(NamedTuple):

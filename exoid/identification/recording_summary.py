@@ -95,8 +95,10 @@ def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary
     spans, means = angle_spans(summaries), np.mean([one.mean for one in summaries], axis=0)
     names = model.leg.joint_names
     for joint, (name, span, mean) in enumerate(zip(names, spans, means, strict=True)):
+        if span >= SMALLEST_MOTION:
+            continue
         own = model.own_parameters(joint)
-        if span < SMALLEST_MOTION and not (own and set(own) <= set(known)):
+        if not (own and set(own) <= set(known)):
             others = tuple(other for other in names if other != name)
             raise NotIdentifiableError(
                 f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",

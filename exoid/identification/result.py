@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -27,17 +28,18 @@ from exoid.regression.diagnostics import (
     short_runs,
 )
 from exoid.regression.fit import samples_left, uncertainty_of
-from exoid.regression.least_squares import rms_residual
+from exoid.regression.least_squares import rms_residual, stack
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.stretches import Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
-from .checkup import check_group
+from .checkup import fitted_leg
 from .estimators import Estimator
 from .estimators.by_name import name_of
-from .findings.checkup import Checkup
+from .findings.checkup import Checkup, check_fit
 from .findings.physics import impossible_leg, never_negative
+from .friction_form import friction_form_error
 from .group_rows import Group
 from .groups import shared_agreement
 from .problem import Fitted
@@ -70,7 +72,8 @@ class Result:
         found = uncertainty_of(problem, fit, white=white)
         covariance = found.covariance if fitted.doubt is None else found.covariance + fitted.doubt
         noise = describe_noise(problem, fit, found.noises)
-        rows = [problem.rows_of(group, fit.weights) for group in range(len(problem.groups))]
+        of_groups = [slice(*pair) for pair in pairwise(problem.starts[1])]
+        rows = [stack(problem.r_factors[part], fit.weights[part]) for part in of_groups]
         free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
         if white:
             samples = np.array([sum(each.samples for each in group.r_factors) for group in problem.groups])
@@ -78,7 +81,7 @@ class Result:
         else:
             starts = problem.starts[0, :-1]
             samples = np.add.reduceat(np.array([joint.effective_samples for joint in noise]), starts)
-        left = samples_left(rows, solution.inverse, samples.tolist(), free)
+        left, left_each = samples_left(rows, solution.inverse, samples.tolist(), free)
         summaries = {group.name: group.summaries for group in problem.groups}
         inputs = [one.evidence for of_group in summaries.values() for one in of_group]
         standing = problem.groups[0].links is not None
@@ -95,9 +98,9 @@ class Result:
             cutoff_source=cutoff_source,
             white=white,
             covariance=covariance,
-            dofs=left.each if found.dofs is None else np.clip(found.dofs, 1.0, left.each),
+            dofs=left_each if found.dofs is None else np.clip(found.dofs, 1.0, left_each),
             samples=samples,
-            left=left.groups,
+            left=left,
             reference=_reference_scale(fitted),
             noise=noise,
             collinearity=collinearity,
@@ -117,7 +120,9 @@ class Result:
         name, names = layout.groups[group], layout.names_of(group)
         parts = [k for k, one in enumerate(problem.groups) if one.name == name]
         first, rows, standing = parts[0], problem.groups[parts[0]], problem.groups[parts[0]].links is not None
-        model = rows.plain_model if standing else self.fitted.models[first]
+        model = self.fitted.models[first]
+        if standing:  # of the leg, whatever rests on the ground
+            model = TorqueModel(model.leg, model.terms, model.rigid, model.regrouped, model.separate)
         every, values = layout.places[group], self.fitted.values(first)
         places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
@@ -134,7 +139,9 @@ class Result:
         )
         checkup, error = Checkup(), None
         if check and not standing:
-            checkup, error = check_group(self.fitted, first, covariance, residual_rms, noise or ())
+            checked = fitted_leg(self.fitted, first, covariance)
+            checkup = check_fit(checked)
+            error = friction_form_error(checked, checkup, residual_rms, noise or ())
         on_ground: list[Finding] = []
         if check and standing:
             on_ground += torque_findings(self.fitted, parts)

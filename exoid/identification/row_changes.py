@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
+from exoid.estimate.ground_validation import BLOCK
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
@@ -38,7 +39,6 @@ DELAY, BESIDE = 2e-3, 2e-3
 """Delay [s] and distance from an edge [m] at which effects are computed."""
 
 GYRO, FORCE = 0.02, 0.2  # standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]
-BLOCK = 1.5  # time beyond which the noise of rows is not correlated [s]: a stride, whose touch-downs are alike
 
 KNOT, COLOURS = 0.25, 6
 """Time between knots of a lean that varies [s]; every sixth is changed at once."""

@@ -23,7 +23,8 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
             f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
             remedy="use wls, huber or ols",
         )
-    labels, known = problem.groups[0].model.leg.joint_labels, {*problem.given.known_names, *problem.given.prior.values}
+    labels, given = problem.groups[0].model.leg.joint_labels, problem.given
+    known = {*(name.partition("[")[0] for name in given.known), *given.prior.values}
     kept = []
     for term in problem.terms:
         if term.joints is None and not isinstance(term, CoordinateTerm):

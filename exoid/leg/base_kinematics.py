@@ -30,7 +30,8 @@ class BaseKinematics:
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
-        arrays = {name: np.asarray(x, dtype=np.float64) for name, x in self._given.items()}
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        arrays = {name: np.asarray(x, dtype=np.float64) for name, x in given.items() if x is not None}
         shapes = [array.shape for array in arrays.values()]
         if len({*shapes}) > 1 or shapes[0][1:] != (3,):
             raise BadArgumentError(
@@ -51,12 +52,8 @@ class BaseKinematics:
 
     def rows(self, rows: slice | NDArray[np.intp]) -> BaseKinematics:
         """Select samples."""
-        return BaseKinematics(**{name: x[rows] for name, x in self._given.items()})
-
-    @property
-    def _given(self) -> dict[str, FloatArray]:
-        found = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: x for name, x in found.items() if x is not None}
+        omega, alpha, force = self.angular_velocity, self.angular_acceleration, self.specific_force
+        return BaseKinematics(omega[rows], alpha[rows], force[rows], None if self.up is None else self.up[rows])
 
     def specific_force_at(self, point: FloatArray) -> FloatArray:
         """Compute the specific force at another point of the base, f + ω̇ × r + ω × (ω × r)."""

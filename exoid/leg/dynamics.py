@@ -44,22 +44,15 @@ def inverse_dynamics_on_base(
     return np.array([pin.rnea(weightless, data, *row) for row in rows]).reshape(len(q), free.nv)
 
 
-class TorqueSlopes(NamedTuple):
-    """Derivatives of joint torques by angles, velocities and accelerations."""
-
-    q: FloatArray  # by angles [N·m/rad], (N, n, n)
-    v: FloatArray  # by velocities [N·m·s/rad], (N, n, n)
-    a: FloatArray  # by accelerations, the mass matrix [kg·m²], (N, n, n)
-
-
-def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> TorqueSlopes:
-    """Compute the derivatives of :func:`inverse_dynamics`."""
+def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Compute the derivatives of joint torques by angles, velocities and accelerations, (3, N, n, n)."""
     data = model.createData()
     slopes = np.empty((3, len(v), model.nv, model.nv))
     for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
         slopes[0, i], slopes[1, i], slopes[2, i] = pin.computeRNEADerivatives(model, data, *row)
     upper = np.triu(slopes[2])  # Pinocchio fills the upper half
-    return TorqueSlopes(slopes[0], slopes[1], upper + np.triu(upper, 1).transpose(0, 2, 1))
+    slopes[2] = upper + np.triu(upper, 1).transpose(0, 2, 1)
+    return slopes
 
 
 def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ from .description import Description
 from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
 from .model import dynamic_parameters
 from .reduction import Plane
-from .reduction.planar import PlanarChain, TorsoSamples
+from .reduction.planar import PlanarChain
 from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
 from .reduction.reduction import Reduction
 from .reduction.tree import Tree
@@ -235,7 +235,8 @@ class LegData:
             ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
         """
         if self.machine is not None:
-            within = None if torso is None else self._within_plane(torso, len(q))
+            floating = self.base == "floating"  # its rows are in axes that turn with it
+            within = None if torso is None else torso_samples(torso, len(q), self.plane, self.hip, turning=floating)
             self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
         elif torso is None or self.base != "fixed":
             base = None if torso is None else self._base(torso, len(q)).spatial()
@@ -320,11 +321,6 @@ class LegData:
         if torso is None:
             return rest(self.model.gravity.linear, count)
         return base_kinematics(torso, count, self.plane, self.hip)
-
-    def _within_plane(self, torso: MovingBase, count: int) -> TorsoSamples:
-        """Motion within the plane; of a floating torso in axes that turn with it."""
-        base = self._base(torso, count) if self.base == "floating" else torso
-        return torso_samples(base, count, self.plane, self.hip)
 
 
 def to_numbers(values: ArrayLike) -> FloatArray:

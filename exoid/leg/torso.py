@@ -77,7 +77,11 @@ MovingBase = TorsoMotion | BaseKinematics
 def base_kinematics(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> BaseKinematics:
     """Write a motion of the torso as one in space."""
     if isinstance(base, BaseKinematics):
-        return _of_length(base, count)
+        if len(base) != count:
+            raise BadArgumentError(
+                f"the base has {len(base)} samples, the joints {count}", remedy="give one for each sample"
+            )
+        return base
     torso = base.samples(count)
     forward = torso.hip_acceleration_x[:, None] * plane.forward
     up = (torso.hip_acceleration_z + GRAVITY)[:, None] * plane.up
@@ -96,14 +100,8 @@ def tilted_gravity(plane: Plane, pitch: float) -> FloatArray:
     return np.asarray(-base_kinematics(TorsoMotion(pitch), 1, plane, np.zeros(3)).specific_force[0])
 
 
-def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray) -> TorsoSamples:
-    """Take the part of a motion that lies in the plane of the leg."""
-    return base.samples(count) if isinstance(base, TorsoMotion) else _of_length(base, count).in_plane(plane, hip)
-
-
-def _of_length(base: BaseKinematics, count: int) -> BaseKinematics:
-    if len(base) != count:
-        raise BadArgumentError(
-            f"the base has {len(base)} samples, the joints {count}", remedy="give one for each sample"
-        )
-    return base
+def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray, *, turning: bool) -> TorsoSamples:
+    """Take the part of a motion that lies in the plane of the leg, in axes that turn with the base if asked for."""
+    if isinstance(base, TorsoMotion) and not turning:
+        return base.samples(count)
+    return base_kinematics(base, count, plane, hip).in_plane(plane, hip)

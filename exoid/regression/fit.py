@@ -54,7 +54,7 @@ def wls(problem: LeastSquaresProblem) -> Fit:
     # was too small: with more rounds, 79 machines of the proving ground (seeds below 80) have 0.95 of the NRMSE.
     factors, floor = problem.r_factors, noise_floor(problem)
     measured = np.array([bool(each.R[:, -1].any()) for each in factors])  # others would have ever more weight
-    solution, rms = ols(problem).solution, np.full(len(factors), np.inf)
+    solution, rms = problem.solve(stack(factors)), np.full(len(factors), np.inf)
     for _ in range(6):
         left = [max(each.residual(solution.values) / math.sqrt(max(each.rows, 1)), floor) for each in factors]
         settled = np.where(measured | np.isinf(rms), left, rms)
@@ -106,22 +106,17 @@ def _no_surer_than_rows(found: Uncertainty, problem: RowProblem, fit: Fit) -> Un
     return found._replace(covariance=found.covariance * np.multiply.outer(scale, scale))
 
 
-class SamplesLeft(NamedTuple):
-    """Independent samples less parameters."""
-
-    groups: FloatArray  # those of the rows of each group, (G,)
-    each: FloatArray  # those of each parameter, (P,)
-
-
-def samples_left(rows: Sequence[RFactor], inverse: FloatArray, samples: Sequence[float], free: int) -> SamplesLeft:
-    """Count the samples that stand behind each group, and each parameter."""
+def samples_left(
+    rows: Sequence[RFactor], inverse: FloatArray, samples: Sequence[float], free: int
+) -> tuple[FloatArray, FloatArray]:
+    """Count independent samples less parameters, behind the rows of each group, (G,), and each parameter, (P,)."""
     # The rows W_g of group g, whose N_g samples are independent, are fitted by p_g = tr(A⁻¹ W_gᵀ W_g)
     # parameters, with A = Σ_g W_gᵀ W_g: these add up to P, and leave ν_g = N_g − p_g. The variance of a
     # parameter is the sum of what each group brings in, v_g = (A⁻¹ W_gᵀ W_g A⁻¹)_ii, and has (Σ v_g)² / Σ (v_g²
     # / ν_g) (Welch and Satterthwaite).
     if len(rows) == 1:
         left = max(1.0, samples[0] - free)
-        return SamplesLeft(np.array([left]), np.full(len(inverse), left))
+        return np.array([left]), np.full(len(inverse), left)
     factors = [of_group.R[:, : len(inverse)] for of_group in rows]
     roots = [R @ inverse for R in factors]
     fitted = np.array([np.einsum("ij,ij->", R, root) for R, root in zip(factors, roots, strict=True)])
@@ -130,7 +125,7 @@ def samples_left(rows: Sequence[RFactor], inverse: FloatArray, samples: Sequence
     brought = np.array([(root**2).sum(axis=0) for root in roots])
     total, spread = brought.sum(axis=0), (brought**2 / of_groups[:, None]).sum(axis=0)
     each = np.divide(total**2, spread, out=np.full(len(total), of_groups.min()), where=spread > 0.0)
-    return SamplesLeft(of_groups, each)
+    return of_groups, np.asarray(each)
 
 
 class Jackknife(NamedTuple):

@@ -50,10 +50,6 @@ class ColumnModel(Protocol):
     """What rows are formed with: columns of parameters, perhaps with others behind them."""
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Parameters, in the order of the columns, (P,)."""
-
-    @property
     def row_joints(self) -> tuple[int, ...]:
         """Joint of each row, (n,); −1 for a row of no joint."""
 
@@ -67,6 +63,10 @@ class ColumnModel(Protocol):
 
 class RegressorModel(ColumnModel, Protocol):
     """τ = W(q, v, a) β: the part of :class:`exoid.torques.TorqueModel` that a regression needs."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters, in the order of the columns, (P,)."""
 
     @property
     def joint_names(self) -> tuple[str, ...]:

@@ -108,11 +108,6 @@ class PriorKnowledge:
         object.__setattr__(self, "known", MappingProxyType(known))
 
     @property
-    def known_names(self) -> tuple[str, ...]:
-        """Names of the known parameters without their group: ``Ia_hip`` for ``Ia_hip[left]``."""
-        return tuple(dict.fromkeys(name.partition("[")[0] for name in self.known))
-
-    @property
     def names(self) -> tuple[str, ...]:
         """Parameters that something is known of beside the recordings."""
         return (*self.known, *self.prior.values)

@@ -183,7 +183,7 @@ def form_rows(model: ColumnModel, prepared: Prepared, stretch: range) -> Rows:
         if prepared.reversals is not None:
             taken = _take_out_reversals(prepared, stretch, columns, tau[:joints])
     tau, known = tau[:joints], tau[joints:].T if len(tau) > joints else None
-    count = len(model.names)
+    count = model.acting.shape[1]
     W, tau = columns[:count].transpose(2, 1, 0), tau.T
     if len(columns) > count:
         tau = tau - columns[count:].sum(axis=0).T

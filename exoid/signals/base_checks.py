@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy  # its parts load when they are first used
 
@@ -21,13 +19,6 @@ CONCLUSIVE = 0.7
 
 SHORTEST = 10.0
 """Least length of a log that is compared [s]."""
-
-
-class AxisAgreement(NamedTuple):
-    """Fit of the rate of the vertical's direction by the gyroscope, d f̂/dt = −c ω × f̂."""
-
-    coefficient: float  # c; 1 if both sensors agree
-    explained: float  # share of the power of d f̂/dt that it explains
 
 
 def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None, *, touched: bool = True) -> None:
@@ -87,18 +78,18 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion) -> None:
         )
     speed = float(np.sqrt(np.mean(np.sum(base.angular_velocity**2, axis=1))))
     found = agreements(time, base)
-    both = found[-1] if found else None
-    in_degrees = both is not None and 0.5 < both.coefficient / np.deg2rad(1.0) < 2.0 and both.explained > CONCLUSIVE
+    slope, explained = found[-1] if found else (1.0, 0.0)
+    in_degrees = 0.5 < slope / np.deg2rad(1.0) < 2.0 and explained > CONCLUSIVE
     if speed > 15.0 or in_degrees:
         raise UnreadableInputError(
             f"the gyroscope of the base reads {speed:.3g} rad/s (RMS)"
-            + (f", and the vertical turns {1.0 / both.coefficient:.0f} times slower" if in_degrees and both else "")
+            + (f", and the vertical turns {1.0 / slope:.0f} times slower" if in_degrees else "")
             + ": it is in deg/s",
             remedy="give it in rad/s, or its unit: columns={'base_gyro_x': exoid.signals.Column(..., unit='deg/s')}",
             command="give its unit: --column base_gyro_x=HEADER:deg/s, and so for y and z",
         )
-    for axis, one in zip("xy", found, strict=False):
-        if one.explained > CONCLUSIVE and one.coefficient < -0.5:
+    for axis, (slope, explained) in zip("xy", found, strict=False):
+        if explained > CONCLUSIVE and slope < -0.5:
             raise UnreadableInputError(
                 f"the gyroscope of the base turns about {axis} against the vertical of its accelerometer",
                 remedy="give both sensors the axes of the root link: check the mounting (rotation=) and all signs",
@@ -106,8 +97,8 @@ def refuse_wrong_base(time: FloatArray, base: BaseMotion) -> None:
             )
 
 
-def agreements(time: FloatArray, base: BaseMotion) -> tuple[AxisAgreement, ...]:
-    """Compare gyroscope and accelerometer in slow motion."""
+def agreements(time: FloatArray, base: BaseMotion) -> tuple[tuple[float, float], ...]:
+    """Compare gyroscope and accelerometer in slow motion, about x, y and both: see :func:`_fit`."""
     interval = float(np.median(np.diff(time)))
     size = max(1, round(1.0 / (25.0 * interval)))  # the direction of gravity is followed at 25 Hz
     if len(base) * interval < SHORTEST:
@@ -125,7 +116,7 @@ def agreements(time: FloatArray, base: BaseMotion) -> tuple[AxisAgreement, ...]:
         return ()
     both = columns[0] + columns[1] + columns[2]
     each = [  # each axis has to explain what is left if the others are right
-        _fit(columns[k], rate - (both - columns[k])) if moving[k] else AxisAgreement(1.0, 0.0) for k in range(2)
+        _fit(columns[k], rate - (both - columns[k])) if moving[k] else (1.0, 0.0) for k in range(2)
     ]
     return (*each, _fit(both, rate))
 
@@ -137,10 +128,10 @@ def _slow(signals: FloatArray, width: int) -> FloatArray:
     return np.asarray(signals - signals.mean(axis=0))
 
 
-def _fit(x: FloatArray, y: FloatArray) -> AxisAgreement:
-    """Least squares y = c x."""
+def _fit(x: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Least squares y = c x, of d f̂/dt = −c ω × f̂: c, 1 if sensors agree, and the share of y² that it explains."""
     power, of_y = float(np.sum(x * x)), float(np.sum(y * y))
     if power == 0.0 or of_y == 0.0:
-        return AxisAgreement(1.0, 0.0)
+        return 1.0, 0.0
     product = float(np.sum(x * y))
-    return AxisAgreement(product / power, product**2 / (power * of_y))
+    return product / power, product**2 / (power * of_y)

@@ -22,7 +22,7 @@ from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
 from .regrouping import Regrouped, regroup
-from .term import Term, TermBlock, fill_terms, internal_states, load_motion
+from .term import Term, TermBlock, load_motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,7 +64,7 @@ class TorqueModel:
                 f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint"
             )
         if self.regrouped is None:
-            object.__setattr__(self, "regrouped", regroup(self.leg, self.blocks, self.rigid, separate=self.separate))
+            object.__setattr__(self, "regrouped", self.dependent(self.separate))
         unknown = [one.name for one in self.regrouped if one.name not in names]
         if unknown:
             raise BadArgumentError(f"{', '.join(unknown)} of regrouped are no parameters", remedy="leave regrouped out")
@@ -138,6 +138,23 @@ class TorqueModel:
             places = [self.names.index(name) for name in block.names if name in self.names]
             acting[np.ix_([base_rows + joint for joint in block.joints], places)] = True
         return acting
+
+    def dependent(self, apart: Sequence[str] = (), *, moving_base: bool = False) -> tuple[Regrouped, ...]:
+        """Find parameters of terms that no motion tells from others, such as a rotor at the hip from J1.
+
+        Args:
+            apart: Parameters that are not looked at, as their values are known.
+            moving_base: Whether the base moves, too.
+
+        Returns:
+            These parameters, with those that include them.
+        """
+        whole = TorqueModel(self.leg, self.terms, self.rigid, ())
+        q, v, a = random_motion(10 * len(whole.names), len(self.joint_names), self.leg.closure)
+        base = random_base(len(q)) if moving_base or self.leg.base != "fixed" else None
+        loaded = {name for block in self.blocks if block.term.loaded for name in block.names}
+        columns = whole.columns(whole.motion(q, v, a, base))
+        return regroup(columns, whole.names, len(self.leg.parameter_names), apart, loaded)
 
     @cached_property
     def nonnegative(self) -> NDArray[np.bool_]:
@@ -242,7 +259,9 @@ class TorqueModel:
             ExoidError: Shapes do not fit, or the leg does not have a joint that a payload names.
         """
         q, v, a = self.leg.samples(q, v, a)
-        motion = Motion(q, v, a, torso, internal_states(self.blocks, q, v), computed=computed)
+        needed = {(block.joints[0], block.term.internal_state) for block in self.blocks}
+        states = {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}
+        motion = Motion(q, v, a, torso, states, computed=computed)
         if not payloads:
             return motion
         return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q, torso))
@@ -274,14 +293,22 @@ class TorqueModel:
             ExoidError: The torso of a leg that is not a planar chain moves.
         """
         q, v, a, torso, *_ = motion
-        count, base_rows = len(self.leg.parameter_names), self.leg.base_rows
-        out = np.zeros((len(self.names), base_rows + q.shape[1], len(q)))
+        names, count, base_rows = self.names, len(self.leg.parameter_names), self.leg.base_rows
+        out = np.zeros((len(names), base_rows + q.shape[1], len(q)))
         self.leg.fill_regressor(q, v, a, out[:count], torso)
         rigid = self.leg.parameters if self.rigid is None else self.rigid
         for start in range(0, len(q), BLOCK):
             rows = slice(start, start + BLOCK)
-            part = out[:, base_rows:, rows]
-            fill_terms(self.blocks, load_motion(self.blocks, motion.rows(rows), part, rigid), part[count:], self.names)
+            part, row = out[:, base_rows:, rows], count
+            loaded = load_motion(self.blocks, motion.rows(rows), part, rigid)
+            for block in self.blocks:
+                kept = [k for k, name in enumerate(block.names) if name in names]
+                own, first = slice(row, row + len(kept)), block.joints[0]
+                if len(kept) == len(block.names) and len(block.joints) == 1:
+                    block.term.fill_block(loaded, block.joints, part[own, first : first + 1])
+                elif kept:
+                    part[own, list(block.joints)] = block.columns(loaded)[kept]
+                row = own.stop
         return out
 
     def friction_torque(self, motion: Motion, values: FloatArray) -> FloatArray:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.leg.leg import Leg
-
-from .motion import Motion, random_base, random_motion
-from .term import TermBlock, fill_terms, internal_states, load_motion
 
 DEPENDENT = 2e-4
 """A unit column this close to the span of the columns before it is linearly dependent on them.
@@ -40,36 +36,20 @@ class Regrouped(NamedTuple):
 
 
 def regroup(
-    leg: Leg,
-    blocks: Sequence[TermBlock],
-    rigid: FloatArray | None = None,
-    *,
-    separate: Sequence[str] = (),
-    moving_base: bool = False,
+    columns: FloatArray, names: Sequence[str], of_leg: int, apart: Container[str], loaded: Container[str]
 ) -> tuple[Regrouped, ...]:
-    """Find parameters of terms that depend linearly on others for every motion, such as a rotor at the hip on J1."""
-    # Each column over random motion is compared with those before it. Terms that depend on the load are left to
-    # the fit: their columns depend on the parameters.
-    count = len(leg.parameter_names)
-    names = (*leg.parameter_names, *(name for block in blocks for name in block.names))
-    loaded = {name for block in blocks if block.term.loaded for name in block.names}
-    q, v, a = random_motion(10 * len(names), len(leg.joint_names), leg.closure)
-    columns = np.zeros((len(names), leg.base_rows + q.shape[1], len(q)))
-    base = random_base(len(q)) if moving_base or leg.base != "fixed" else None
-    leg.fill_regressor(q, v, a, columns[:count], base)
-    of_joints = columns[:, leg.base_rows :]
-    motion = Motion(q, v, a, None, internal_states(blocks, q, v))
-    loaded_motion = load_motion(blocks, motion, of_joints, leg.parameters if rigid is None else rigid)
-    fill_terms(blocks, loaded_motion, of_joints[count:], names)
+    """Find columns of terms, (P, R, N) behind those of the leg, that depend linearly on others, but for those apart."""
+    # Each column is compared with those before it. Terms that depend on the load are left to the fit: their columns
+    # depend on the parameters.
     W = columns.transpose(2, 1, 0).reshape(-1, len(names))
     scale = np.linalg.norm(W, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     R = np.asarray(np.linalg.qr(W / scale, mode="r"))  # small: a seven-joint arm has 80 columns
-    kept, regrouped = list(range(count)), []
-    for k in (k for k in range(count, len(names)) if names[k] not in loaded):
+    kept, regrouped = list(range(of_leg)), []
+    for k in (k for k in range(of_leg, len(names)) if names[k] not in loaded):
         share, *_ = np.linalg.lstsq(R[:, kept], R[:, k])
         if R[:, k].any() and np.linalg.norm(R[:, k] - R[:, kept] @ share) < DEPENDENT:
-            if names[k] in separate:
+            if names[k] in apart:
                 continue
             coefficients = zip(kept, share, share * scale[k] / scale[kept], strict=True)
             into = {names[i]: float(c) for i, part, c in coefficients if abs(part) > DEPENDENT}

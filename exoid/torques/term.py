@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -174,14 +174,6 @@ class TermBlock(NamedTuple):
         return out
 
 
-def internal_states(
-    blocks: Iterable[TermBlock], q: FloatArray, v: FloatArray
-) -> dict[tuple[int, Presliding], FloatArray]:
-    """Compute the internal states of terms over a whole recording."""
-    needed = {(block.joints[0], block.term.internal_state) for block in blocks}
-    return {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}
-
-
 def load_motion(blocks: Sequence[TermBlock], motion: Motion, columns: FloatArray, rigid: FloatArray) -> LoadedMotion:
     """Add rigid-body torques to a motion, if a term depends on them; they are zero otherwise."""
     load = np.broadcast_to(0.0, motion.q.shape[::-1])
@@ -189,17 +181,3 @@ def load_motion(blocks: Sequence[TermBlock], motion: Motion, columns: FloatArray
     if any(block.term.loaded for block in blocks):
         load = np.tensordot(rigid, columns[: len(rigid)], axes=1) + payload
     return LoadedMotion(motion.q.T, motion.v.T, motion.a.T, load, payload, motion.states)
-
-
-def fill_terms(blocks: Iterable[TermBlock], motion: LoadedMotion, out: FloatArray, names: Sequence[str]) -> None:
-    """Write the columns of terms one below the other."""
-    row = 0
-    for block in blocks:
-        kept = [k for k, name in enumerate(block.names) if name in names]
-        rows = slice(row, row + len(kept))
-        first = block.joints[0]
-        if len(kept) == len(block.names) and len(block.joints) == 1:
-            block.term.fill_block(motion, block.joints, out[rows, first : first + 1])
-        elif kept:
-            out[rows, list(block.joints)] = block.columns(motion)[kept]
-        row = rows.stop

@@ -20,10 +20,6 @@ class ExtraColumns(Protocol):
     """K columns that stand beside those of a torque model's parameters."""
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns, (K,)."""
-
-    @property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint, (n, K)."""
 
@@ -49,11 +45,6 @@ class WithColumns:
         return self.model.row_joints
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of parameters, then of the other columns, (P + K,)."""
-        return (*self.model.names, *(name for extra in self.extras for name in extra.names))
-
-    @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint, (n, P + K)."""
         return np.hstack([self.model.acting, *(extra.acting for extra in self.extras)])
@@ -68,11 +59,11 @@ class WithColumns:
     def columns(self, motion: Motion) -> FloatArray:
         """Form the columns."""
         columns = self.model.columns(motion)
-        out = np.zeros((len(self.names), *columns.shape[1:]))
+        out = np.zeros((self.acting.shape[1], *columns.shape[1:]))
         start = len(columns)
         out[:start] = columns
         for extra in self.extras:
-            stop = start + len(extra.names)
+            stop = start + extra.acting.shape[1]
             extra.fill(motion, columns, out[start:stop])
             start = stop
         return out

@@ -40,18 +40,13 @@ def name_of(estimator: Estimator) -> str:
 
 
 def fit_linear(problem: Problem, estimator: Estimator) -> Fitted:
-    """Fit models that are linear in all parameters, by one call of the estimator."""
-    fit = fit_by(estimator, problem)
-    return Fitted(problem, fit, tuple(group.model for group in problem.groups), NO_NONLINEAR_PARAMETERS, fit.warnings)
-
-
-def fit_by(estimator: Estimator, problem: Problem) -> Fit:
-    """Let an estimator solve a problem, and check that it returns a fit."""
+    """Fit models that are linear in all parameters by one call of the estimator, and check that it returns a fit."""
+    count = len(problem.r_factors)  # rows are formed here, once, and estimators solve for them
     fit = estimator(problem)
-    if not isinstance(fit, Fit) or len(fit.weights) != len(problem.r_factors):
+    if not isinstance(fit, Fit) or len(fit.weights) != count:
         found = f"{len(fit.weights)} weights" if isinstance(fit, Fit) else type(fit).__name__
         raise BadArgumentError(
             f"the estimator {name_of(estimator)} returned {found}",
-            remedy=f"let it return a Fit with one weight for each of the {len(problem.r_factors)} R factors",
+            remedy=f"let it return a Fit with one weight for each of the {count} R factors",
         )
-    return fit
+    return Fitted(problem, fit, tuple(group.model for group in problem.groups), NO_NONLINEAR_PARAMETERS, fit.warnings)

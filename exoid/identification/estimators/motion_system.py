@@ -231,15 +231,8 @@ class System(NamedTuple):
         return taken
 
 
-class Response(NamedTuple):
-    """Torque and its derivatives."""
-
-    W: FloatArray  # regressor, (N, n, P)
-    to_motion: FloatArray  # ∂τ_i / ∂(q, v, a)_j, (3, N, n, n): derivative, sample, torque, joint
-
-
-def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> Response:
-    """Differentiate τ = W(q, v, a) β by central differences."""
+def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> tuple[FloatArray, FloatArray]:
+    """Regressor W, (N, n, P), and ∂τ_i/∂(q, v, a)_j of W β by central differences, (3, N, n, n) with joint j last."""
     samples, joints = motion.q.shape
     to_motion = np.empty((3, samples, joints, joints))
     for kind, step in enumerate(STEPS):
@@ -253,7 +246,7 @@ def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> Response:
                 sides.append(torque(model.columns(Motion(q, v, a, motion.torso)), values))
             difference = sides[0] - sides[1]
             to_motion[kind, :, :, joint] = difference / (2.0 * step)
-    return Response(model.columns(motion).transpose(2, 1, 0), to_motion)
+    return model.columns(motion).transpose(2, 1, 0), to_motion
 
 
 def torque(columns: FloatArray, values: FloatArray) -> FloatArray:

@@ -53,11 +53,6 @@ class NuisanceColumns:
     # frequencies at which links ring on springs [Hz], 0 for none, by joint, as the first block of samples shows them
     ringing: dict[int, float] = field(default_factory=dict)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns, (K,)."""
-        return tuple(map(str, self.columns))
-
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint, (n, K)."""

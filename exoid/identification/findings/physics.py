@@ -14,6 +14,7 @@ from exoid.estimate.finding import SEVERITIES, Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical
 from exoid.leg.lift.lift import nearest_within
+from exoid.leg.lift.pseudo_inertia import margins
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.torques import TorqueModel
 
@@ -122,6 +123,9 @@ def impossible_leg(
         return
     try:
         apart = _wrong_side(leg, bodies, errors)
+        links = leg.reduction.adjust(leg.link_parameters, bodies)
+        if apart < IMPOSSIBLE and (margins(links) > 0.0).all():  # the leg's own links, changed a little, have them
+            return
         nearest, distance = nearest_within(leg, bodies, errors, IMPOSSIBLE)
         change = torque_shares(factors, np.arange(rigid), np.diag(bodies - nearest)).max()
         if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show

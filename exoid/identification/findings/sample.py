@@ -13,7 +13,6 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.model_error import COUNT, AlternativeFriction
-from exoid.regression.model import RegressorModel
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare, source_of
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
@@ -136,9 +135,15 @@ def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> 
     ready, errors = [], []
     for one in fitted.data:
         try:
-            ready.append((one, decimated(_prepared(fitted.model, one, fitted.preparation))))
+            prepared = decimated(prepare(fitted.model, one, fitted.preparation))
         except ExoidError as error:
             errors.append(error)
+            continue
+        # Rows at reversals stay: other friction, and many faults, differ most where joints turn round.
+        prepared = prepared._replace(reversals=None)
+        if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
+            prepared = prepared._replace(usable=prepared.usable & one.driven)
+        ready.append((one, prepared))
     if not ready:
         raise errors[0]
     used = ((one.motion, one.inside) for _, one in ready)
@@ -149,15 +154,6 @@ def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> 
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)
     return evidence._replace(ranges=ranges, sources=[source_of(one) for one, _ in ready])
-
-
-def _prepared(model: RegressorModel, one: Recording | Poses, preparation: Preparation) -> Prepared:
-    """Prepare a recording, with all rows at reversals and none of passive joints."""
-    # Other friction, and many faults, differ most where joints turn round.
-    prepared = prepare(model, one, preparation)._replace(reversals=None)
-    if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
-        prepared = prepared._replace(usable=prepared.usable & one.driven)
-    return prepared
 
 
 def _rows(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
+from exoid.torques import DEFAULT_TERMS, Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
 from exoid.torques.terms import DryFriction
 
 LOAD = ("mu", "mu_drive", "mu_back")
@@ -20,8 +20,9 @@ DRY = ("c0", *LOAD, "cs")
 ALWAYS = ("c0", "d")
 """Symbols that a joint keeps unless they are negative: nearly every machine has them."""
 
-REVERSAL = 0.03  # speed below which the last fit leaves rows of sharp friction out, as the default terms do [rad/s]
-SMOOTHING = 0.015  # smoothing of friction without presliding [rad/s], that of the default terms
+USUAL = next(term for term in DEFAULT_TERMS if isinstance(term, Coulomb))
+"""Coulomb friction of the default terms: friction without presliding has its smoothing, and its reversal speed."""
+
 VELOCITIES = (0.02, 0.03, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5)
 """Stribeck velocities that are tried [rad/s]. A model whose best velocity describes reversals loses; the last is an
 upper bound. Beyond, it is no matter of slow motion."""
@@ -33,12 +34,12 @@ class Column(NamedTuple):
     symbol: str  # c0, d, mu, mu_drive, mu_back, cs, or offset
     length: float = 0.0  # presliding length [rad]; 0 for none
     velocity: float = 0.0  # Stribeck velocity [rad/s]; 0 for other friction
-    smoothing: float = SMOOTHING  # velocity over which dry friction without presliding changes sign [rad/s]
+    smoothing: float = USUAL.smoothing  # velocity over which dry friction without presliding changes sign [rad/s]
 
     @property
     def describes_reversals(self) -> bool:
         """Whether Stribeck friction is so slow that it describes smoothing, or reversals that the fit leaves out."""
-        return 0.0 < self.velocity <= (VELOCITIES[0] if self.length else 1.3 * REVERSAL)
+        return 0.0 < self.velocity <= (VELOCITIES[0] if self.length else 1.3 * USUAL.reversal_speed)
 
     @property
     def term(self) -> Term:
@@ -54,7 +55,7 @@ class Column(NamedTuple):
         }
         if self.length:
             return replace(kinds[self.symbol], presliding=self.length)
-        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=REVERSAL)
+        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=USUAL.reversal_speed)
 
 
 Columns = tuple[Column, ...]
@@ -96,9 +97,9 @@ class Pattern(NamedTuple):
         load = {"mu"} if {"mu_drive", "mu_back"} <= set(other.symbols) else set()
         return {*self.symbols} <= {*other.symbols, *load} and (other.presliding or not self.presliding)
 
-    def columns(self, length: float, velocity: float, smoothing: float = SMOOTHING) -> Columns:
+    def columns(self, length: float, velocity: float, smoothing: float = USUAL.smoothing) -> Columns:
         """Coefficients at settings."""
-        length, smoothing = (length, SMOOTHING) if self.presliding else (0.0, smoothing)
+        length, smoothing = (length, USUAL.smoothing) if self.presliding else (0.0, smoothing)
         return tuple(
             Column(symbol, length, velocity if symbol == "cs" else 0.0, smoothing) if symbol in DRY else Column(symbol)
             for symbol in self.symbols
@@ -111,7 +112,7 @@ class Grid(NamedTuple):
     # presliding lengths [rad]: those of industrial arms begin at 0.02 mrad
     lengths: tuple[float, ...] = (2e-5, 5e-5, 1.2e-4, 3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
     velocities: tuple[float, ...] = VELOCITIES  # Stribeck velocities [rad/s]
-    smoothings: tuple[float, ...] = (0.004, 0.008, SMOOTHING, 0.03)  # of friction without presliding [rad/s]
+    smoothings: tuple[float, ...] = (0.004, 0.008, USUAL.smoothing, 0.03)  # of friction without presliding [rad/s]
 
     @property
     def columns(self) -> Columns:
@@ -123,7 +124,7 @@ class Grid(NamedTuple):
         """List a pattern at all settings that it has."""
         dry = bool({*DRY} & {*pattern.symbols})
         lengths = self.lengths if pattern.presliding else (0.0,)
-        smoothings = self.smoothings if dry and not pattern.presliding else (SMOOTHING,)
+        smoothings = self.smoothings if dry and not pattern.presliding else (USUAL.smoothing,)
         velocities = self.velocities if "cs" in pattern.symbols else (0.0,)
         return [
             pattern.columns(length, velocity, smoothing)
@@ -201,7 +202,7 @@ class JointFriction(NamedTuple):
         """A few words, such as "c0, mu_back, presliding 0.65 mrad"."""
         settings = (
             f"presliding {1e3 * self.presliding:.2g} mrad" if self.presliding else "",
-            f"smoothing {self.smoothing:.2g} rad/s" if self.smoothing not in (0.0, SMOOTHING) else "",
+            f"smoothing {self.smoothing:.2g} rad/s" if self.smoothing not in (0.0, USUAL.smoothing) else "",
             f"vs {self.stribeck_velocity:.2g} rad/s" if self.stribeck_velocity else "",
         )
         return ", ".join([*self.coefficients, *filter(None, settings)]) or "none"

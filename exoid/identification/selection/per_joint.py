@@ -37,7 +37,7 @@ class Search:
 
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
-        model = model_with(self.leg, (Armature(), *self.beside), [*self.known])  # what all candidates share
+        model = model_with(self.leg, (Armature(), *self.beside), self.known)  # what all candidates share
         recordings = [without_torque_delay(for_leg(model, one), self.late) for one in self.recordings if self.late]
         design = form_design(model, recordings or self.recordings, self.cutoff, library, rigid)
         return design._replace(known={model.names.index(name): value for name, value in self.known.items()})

@@ -178,7 +178,7 @@ def select_terms(
             remedy='pass terms to identify, or select with base="moving" and recordings without wrenches and contacts',
         )
     knowledge = PriorKnowledge(known or {})
-    model = model_with(leg, (Armature(), *beside), knowledge.known_names)
+    model = model_with(leg, (Armature(), *beside), knowledge.known)
     knowledge.check(model)
     summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
     refuse_still_joints(model, summaries)

@@ -91,11 +91,11 @@ def imu_errors(
     # Readings are ω' = ω + b_ω and f' = f + b_f with biases b. A foot that rolls over heel or toe turns against the
     # gyroscope.
     rests = [rest for link, flags in resting.items() if flags.any() for rest in _rests(base, still[link], flags, rate)]
-    if sum(len(rest.of_gyro) for rest in rests) < LEAST * rate:
+    if sum(len(gyro) for gyro, *_ in rests) < LEAST * rate:
         return None
     of_gyro, of_force, turns = (np.concatenate(arrays) for arrays in zip(*rests, strict=True))
-    means = np.array([np.concatenate([rest.of_gyro.mean(axis=0), rest.of_force.mean(axis=0)]) for rest in rests])
-    shares = np.array([len(rest.of_gyro) for rest in rests]) / len(of_gyro)  # pieces of some samples say little
+    means = np.array([np.concatenate([gyro.mean(axis=0), force.mean(axis=0)]) for gyro, force, _ in rests])
+    shares = np.array([len(gyro) for gyro, *_ in rests]) / len(of_gyro)  # pieces of some samples say little
     spread = shares @ (means - shares @ means) ** 2
     apart = float(np.sqrt(spread[3:].sum()))
     if apart > APART:
@@ -137,16 +137,9 @@ def _within_scatter(differences: FloatArray) -> bool:
     return bool(np.linalg.norm(differences.mean(axis=0)) < 0.1 * np.linalg.norm(differences.std(axis=0)))
 
 
-class _Rest(NamedTuple):
-    """Samples at which a foot is flat in one go: what readings differ by, and turns of level axes to the base."""
-
-    of_gyro: FloatArray
-    of_force: FloatArray
-    turns: FloatArray
-
-
-def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate: float) -> list[_Rest]:
-    """Compare readings with those on a foot at rest, where it is flat, in pieces of long rests."""
+def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate: float) -> list[list[FloatArray]]:
+    """Differences of gyroscope and of accelerometer from a foot that is flat, and turns of level axes to the base."""
+    # of each rest, and of each piece of a long one
     assert still.pose is not None
     aside, flat = np.hsplit(base.columns - still.columns, 2), flags
     # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
@@ -158,7 +151,7 @@ def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate
     cuts = np.flatnonzero((np.diff(places) > 1) | (np.diff(places // round(PIECE * rate)) > 0)) + 1
     arrays = (*aside, np.swapaxes(still.pose.rotation, 1, 2))
     pieces = zip(*(np.split(array[places], cuts) for array in arrays), strict=True)
-    return [_Rest(*piece) for piece in pieces if len(piece[0])]
+    return [list(piece) for piece in pieces if len(piece[0])]
 
 
 def _densest(values: FloatArray, width: float) -> float:

@@ -107,7 +107,7 @@ def sliding(
 
 def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:
     """Integrate an acceleration, without what changes slowly, (N, 2)."""
-    speed = low_passed(np.cumsum(acceleration, axis=0) / rate, rate)
+    speed = slow_part(np.cumsum(acceleration, axis=0) / rate, rate, LOOK)
     stride = max(1, int(rate / (6.25 * LOOK)))  # the low-pass leaves no more than that
     half = round(0.5 * BASELINE * rate / stride)
     longer = np.pad(speed[::stride], ((half, half), (0, 0)), "reflect", reflect_type="odd")  # a drift has no ends
@@ -115,8 +115,3 @@ def _velocity(acceleration: FloatArray, rate: float) -> FloatArray:
     slow = scipy.ndimage.uniform_filter1d(slow, 1 + half // 2, axis=0)[half:-half]
     time = np.arange(len(speed))
     return np.asarray(speed - np.column_stack([np.interp(time, time[::stride], of_axis) for of_axis in slow.T]))
-
-
-def low_passed(values: FloatArray, rate: float) -> FloatArray:
-    """Pass columns through a zero-phase low-pass, which leaves the velocities in which slipping is looked for."""
-    return values if 0.32 * rate <= LOOK else slow_part(values, rate, LOOK)

@@ -17,12 +17,13 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import source_of
 from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench
+from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import Elimination, eliminate
 from .imu import CorrectedBase, ImuErrors, beside, imu_errors
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
-from .sliding import Slip, low_passed, sliding, slipping
+from .sliding import LOOK, Slip, sliding, slipping
 from .standing_base import level_rotation, standing_base, standing_reading
 
 EDGE = 0.1
@@ -122,12 +123,13 @@ def split(
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
     landing = touch_downs(leg, rest, len(recording), round(SETTLING * recording.sample_rate))
-    steady, near = ~_widened(landing, smeared), smeared / recording.sample_rate + SETTLING
+    near, steady = smeared / recording.sample_rate + SETTLING, ~scipy.ndimage.binary_dilation(landing, None, smeared)
     beside = smeared + round(LATE * recording.sample_rate)
-    down = whole_feet(leg, {link: _widened(flags, beside) for link, flags in (unknown | rest).items()})
+    longer = {link: scipy.ndimage.binary_dilation(x, iterations=beside) for link, x in (unknown | rest).items()}
+    down = whole_feet(leg, longer)
     if leg.base_rows and recording.base is None:
         steady, near, down = lasting, EDGE, unknown | rest
-    slow = low_passed(recording.q, recording.sample_rate)
+    slow = slow_part(recording.q, recording.sample_rate, LOOK)
     around = round(0.5 * EDGE * recording.sample_rate)
     still = ~slipping(leg, rest, slow, recording.time, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
@@ -220,11 +222,6 @@ def _changing(flags: BoolArray, samples: int) -> BoolArray:
     """So many samples before and after each touch-down and lift-off; the ends of a log are none."""
     changes = np.diff(flags, prepend=flags[:1])
     return np.asarray(np.convolve(changes, np.ones(2 * samples))[samples : samples + len(flags)] > 0.5)
-
-
-def _widened(flags: BoolArray, samples: int) -> BoolArray:
-    """Samples within a distance of those that are flagged."""
-    return np.asarray(scipy.ndimage.binary_dilation(flags, iterations=samples))
 
 
 def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:

@@ -14,7 +14,6 @@ from exoid.leg.torso import MovingBase
 from exoid.signals import Wrench
 from exoid.torques.model import TorqueModel
 from exoid.torques.motion import Motion, random_base, random_motion
-from exoid.torques.term import internal_states
 
 from .elimination import eliminate, load_sharing
 
@@ -66,8 +65,7 @@ class SupportModel(TorqueModel):
         """Which parameters can act on which row, (R, P)."""
         q, v, a = random_motion(10, len(self.joint_names), self.leg.closure)
         base = None if self.leg.base == "fixed" else random_base(10)
-        motion = Motion(q, v, a, base, internal_states(self.blocks, q, v))
-        return np.asarray(self.columns(motion)[: len(self.names)].any(axis=2).T)
+        return np.asarray(self.columns(self.motion(q, v, a, base))[: len(self.names)].any(axis=2).T)
 
     @property
     def _without_flat(self) -> bool:
