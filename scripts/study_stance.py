@@ -4,6 +4,7 @@
     python scripts/study_stance.py --seeds 2 --jobs 1
     python scripts/study_stance.py --walk                # the walk alone, with the true friction and rotors: a minute
     python scripts/study_stance.py --walkers             # walkers drawn by seeds from 1000 on, on five kinds of ground
+    python scripts/study_stance.py --faults --seeds 5    # the same walkers, with a fault of one joint
 
 Each seed is one `exoid reproduce stance`: other motions, noise and bias of the IMU. Errors are the 95 % quantile over
 the seeds of the largest one of a seed; coverage is that of 95 % intervals of all parameters.
@@ -18,6 +19,7 @@ import xml.etree.ElementTree as ET
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -182,6 +184,56 @@ def walker_runs(seed: int, seconds: float) -> tuple[str, GroundPlant, list[Groun
     return kind, plant, [squats, *feet, swing(rest, seconds, scale=0.85, seed=10 * seed + 3), unseen]
 
 
+def walker_log(runs: list[GroundRun], seed: int, number: int, *, plates: bool, imu: bool) -> Recording:
+    """Log one run of a walker with some sensors; its IMU has a bias."""
+    bias = np.repeat([GYRO_BIAS, FORCE_BIAS], 3) * np.random.default_rng([seed, 99]).standard_normal(6)
+    # plates are left out of the same readings: the load cell at the torso has the same noise in all ways
+    read = runs[number].recording(SENSORS, np.random.default_rng([seed, number]))
+    held = {link: wrench for link, wrench in read.wrenches.items() if link == "torso" or plates}
+    base = read.base
+    moved = BaseMotion(base.angular_velocity + bias[:3], base.specific_force + bias[3:], base.position)
+    return replace(read, base=moved if imu else None, wrenches=held)
+
+
+FAULTS = {"torque-scale": ("tau", 1.1, 0.0), "angle-offset": ("q", 1.0, np.deg2rad(3.0))}
+"""Faults of one joint by the finding that names them: factor and offset of a quantity."""
+
+
+def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]:
+    """Plant each fault at each joint: the way, fault and joint, and whether it is named; "none" if nothing is."""
+    warnings.simplefilter("ignore")
+    try:
+        _, plant, runs = walker_runs(seed, seconds)
+    except ExoidError:
+        return []
+    found = []
+    for way in ("neither", "IMU"):
+        logs = [walker_log(runs, seed, k, plates=False, imu=k == 3 or way == "IMU") for k in range(4)]
+        told = [one.kind for one in identify(plant.leg, logs, TERMS).findings]
+        found.append((way, "none", "", bool({*told} & {*FAULTS})))
+        for kind, (quantity, factor, offset) in FAULTS.items():
+            for joint, name in enumerate(plant.leg.joint_names):
+                own = np.arange(6) == joint
+                changed = (np.where(own, factor, 1.0) * getattr(log, quantity) + offset * own for log in logs)
+                spoilt = [replace(log, **{quantity: x}) for log, x in zip(logs, changed, strict=True)]
+                try:
+                    told = [(one.kind, one.joint) for one in identify(plant.leg, spoilt, TERMS).findings]
+                except ExoidError:
+                    told = [(kind, name)]  # refused
+                found.append((way, kind, name.split("_")[1], (kind, name) in told))
+    return found
+
+
+def print_faulty(every: list[tuple[str, str, str, bool]]) -> None:
+    """Print how many planted faults are named."""
+    for fault in dict.fromkeys(each[1:3] for each in every):
+        cells = []
+        for way in ("neither", "IMU"):
+            named = [is_named for one, *rest, is_named in every if one == way and tuple(rest) == fault]
+            cells.append(f"{way} {sum(named)} of {len(named)}")
+        print(f"{' '.join(fault):20s} named: {'; '.join(cells)}")
+
+
 def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]:
     """Identify a walker with each set of sensors; what was said where that is refused."""
     warnings.simplefilter("ignore")
@@ -190,21 +242,11 @@ def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]
     except ExoidError as error:  # such as a foot that would swing into the ground
         return draw_walker(seed)[0], dict.fromkeys(WAYS, str(error))
     truth, found = true_values(plant), dict[str, Walked | str]()
-    bias = np.repeat([GYRO_BIAS, FORCE_BIAS], 3) * np.random.default_rng([seed, 99]).standard_normal(6)
-
-    def log(number: int, *, plates: bool, imu: bool) -> Recording:
-        # plates are left out of the same readings: the load cell at the torso has the same noise in all ways
-        read = runs[number].recording(SENSORS, np.random.default_rng([seed, number]))
-        held = {link: wrench for link, wrench in read.wrenches.items() if link == "torso" or plates}
-        base = read.base
-        moved = BaseMotion(base.angular_velocity + bias[:3], base.specific_force + bias[3:], base.position)
-        return replace(read, base=moved if imu else None, wrenches=held)
-
     for way, (plates, imu) in WAYS.items():
         try:
-            logs = [*(log(k, plates=plates, imu=imu) for k in range(3)), log(3, plates=plates, imu=True)]
+            logs = [walker_log(runs, seed, k, plates=plates, imu=imu or k == 3) for k in range(4)]
             estimate = identify(plant.leg, logs, TERMS)
-            forces = ground_forces(estimate, log(4, plates=False, imu=imu))
+            forces = ground_forces(estimate, walker_log(runs, seed, 4, plates=False, imu=imu))
         except ExoidError as error:
             found[way] = str(error)
             continue
@@ -270,9 +312,13 @@ def main() -> None:
     parser.add_argument("--walking", type=float, default=80.0, help="seconds of the walk")
     parser.add_argument("--walk", action="store_true", help="only the walk, with known friction and rotors")
     parser.add_argument("--walkers", action="store_true", help="drawn walkers, on five kinds of ground")
+    parser.add_argument("--faults", action="store_true", help="walkers with one joint out of scale, or a wrong zero")
     options = parser.parse_args()
-    first = (1000 if options.walkers else 0) if options.first is None else options.first
+    first = (1000 if options.walkers or options.faults else 0) if options.first is None else options.first
     seeds = range(first, first + options.seeds)
+    if options.faults:
+        each = Parallel(n_jobs=options.jobs)(delayed(faulty_walker)(seed, options.seconds) for seed in seeds)
+        return print_faulty([*chain(*each)])
     if options.walkers:
         work = (delayed(one_walker)(seed, options.seconds) for seed in seeds)
         return print_walkers(Parallel(n_jobs=options.jobs)(work))

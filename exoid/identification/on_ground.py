@@ -28,6 +28,7 @@ from exoid.torques.contacts.support_model import SupportModel
 from .estimators import Estimator, huber
 from .estimators.by_name import fit_linear
 from .findings.checkup import signal_findings
+from .ground_faults import joint_faults
 from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import LEAN, PIVOT, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
@@ -64,11 +65,15 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
             fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
             if (np.abs(footing.found.values - before.found.values) <= np.sqrt(np.diag(footing.found.covariance))).all():
                 break
-        fitted, footing = _rocking(fitted, footing, estimator)
+    faults = tuple(joint_faults(fitted, footing)) if check else ()
+    if footing is not None:
+        if not faults:  # a foot that leans otherwise at each time would explain them, too, with many numbers
+            fitted, footing = _rocking(fitted, footing, estimator)
         slopes = footing.found.slopes
         doubt = slopes @ footing.found.spread @ slopes.T
         fitted = fitted._replace(findings=tuple(_footing_findings(footing, fitted)), doubt=doubt)
-    findings = (*fitted.findings, *_told_findings(fitted), *(contact_offsets(fitted) if check else ()))
+    offsets = contact_offsets(fitted) if check else ()
+    findings = (*faults, *fitted.findings, *_told_findings(fitted), *offsets)
     return _suspended(fitted._replace(findings=findings), estimator)
 
 
@@ -262,7 +267,7 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
 def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:
     """Say that a foot that counts as flat rocks."""
     text = f"feet that are said to stand flat rock by {1e3 * angle:.2g} mrad (standard deviation): {then}"
-    remedy = "check soles, contacts and the play of joints; stand on flat soles, or say that feet stand on an edge"
+    remedy = "check soles, contacts, zeros and play of joints; stand on flat soles, or say that feet stand on an edge"
     return Finding("rocking-foot", "", angle, "rad", "warning", text, remedy, None, parameters, name)
 
 

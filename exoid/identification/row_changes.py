@@ -62,6 +62,29 @@ class RowChanges(NamedTuple):
     blocks: int = 0  # number of blocks of rows
 
 
+class Effects(NamedTuple):
+    """Problems in which numbers beside the parameters have the size of their step, and what is known of the numbers."""
+
+    others: Sequence[Problem]  # C of them
+    steps: FloatArray  # sizes of the steps, (C,)
+    prior_std: FloatArray  # standard deviations before any log is seen, (K,)
+    prior_mean: FloatArray  # (K,)
+    # where a problem changes several numbers: on which of them each row depends, (N, C), or −1
+    numbers: Callable[[Recording, FloatArray], NDArray[np.intp]] | None = None
+
+
+class Equations(NamedTuple):
+    """Normal equations of the parameters β and of numbers c beside them, r = W δβ + D c, with c ~ N(m, σ²)."""
+
+    information: FloatArray  # (P + K, P + K)
+    right: FloatArray  # (P + K,)
+    prior: FloatArray  # what was known before, inverse variances, (P + K,)
+    scores: FloatArray  # Wᵀr and Dᵀr of each block of rows, (B, P + K)
+    free: NDArray[np.bool_]  # (P + K,)
+    squares: float  # rᵀr, weighted
+    blocks: int  # number of blocks of rows, supports of a recording together
+
+
 class Footing(NamedTuple):
     """How feet stand that carry a base which was not measured, and bias of a sensor that did measure a base."""
 
@@ -133,6 +156,18 @@ def find_footing(fitted: Fitted, about: Footing | None = None, *, rocking: bool 
     about = _begin(fitted, about, rocking=rocking)
     if about is None:
         return None
+    found, soles = row_changes(fitted, footing_effects(fitted, about)), len(about.links)
+    free = about.found.values + found.values
+    values = np.append(np.maximum(free[:soles], 0.0), free[soles:])
+    # Part of itself by which a compliance varies: soles are stiffer under more load
+    doubt = (free - values) ** 2
+    doubt[:soles] += (0.2 * values[:soles]) ** 2
+    covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
+    return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
+
+
+def footing_effects(fitted: Fitted, about: Footing) -> Effects:
+    """Change each number of a footing."""
     # No row depends on two feet that carry the base, or on two knots of a colour: one change of the problem tells what
     # each of them does
     parts = [about.part(kind) for kind in range(5)]
@@ -153,15 +188,7 @@ def find_footing(fitted: Fitted, about: Footing | None = None, *, rocking: bool 
         return np.hstack([np.tile(fixed, (len(time), 1)), np.where((k >= own.start) & (k < own.stop), k, -1)])
 
     others = [tilted(fitted.problem, about.plus(change), about) for change in changes]
-    steps, std, soles = np.repeat(STEPS, sizes), np.repeat(STDS, counts), counts[SOLE]
-    found = row_changes(fitted, others, steps, prior_std=std, prior_mean=-about.found.values, numbers=numbers)
-    free = about.found.values + found.values
-    values = np.append(np.maximum(free[:soles], 0.0), free[soles:])
-    # Part of itself by which a compliance varies: soles are stiffer under more load
-    doubt = (free - values) ** 2
-    doubt[:soles] += (0.2 * values[:soles]) ** 2
-    covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
-    return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
+    return Effects(others, np.repeat(STEPS, sizes), np.repeat(STDS, counts), -about.found.values, numbers)
 
 
 def _begin(fitted: Fitted, about: Footing | None, *, rocking: bool) -> Footing | None:
@@ -200,11 +227,11 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
 
     def with_delay(joint: int) -> Problem:
-        return _changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), {joint: DELAY}))
+        return changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), {joint: DELAY}))
 
     late = [with_delay(joint) for joint in range(len(joints))]
     every = np.ones(len(late))
-    found = row_changes(fitted, late, DELAY * every, prior_std=0.1 * every, prior_mean=0.0 * every)
+    found = row_changes(fitted, Effects(late, DELAY * every, 0.1 * every, 0.0 * every))
     # Residuals are correlated: rows count by a third. On 60 machines without delay, of 80 values none was beyond 4.5
     # standard deviations for white noise; of 18 torques that were 40 ms late, 16 were beyond 7.
     half = 2.0 * np.sqrt(3.0 * np.diag(found.covariance))
@@ -213,7 +240,7 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     doubtful = (size > 0.5 * half) & (size < 1.5 * half)
     if doubtful.any():  # the residuals that tell the noise contain the delay: take it out, and see what is left
         by_joint = {k: float(found.values[k]) for k in np.flatnonzero(size > 0.5 * half).tolist()}
-        shifted = _changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), by_joint))
+        shifted = changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), by_joint))
         left = rms_residuals(shifted, parts, wls(shifted).solution.values)
         left /= np.maximum(rms_residuals(problem, parts, fitted.fit.solution.values), TINY)
         rows = [name for k in parts for name in problem.groups[k].model.row_names]  # of joints, or combinations of them
@@ -231,7 +258,7 @@ def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
     if not found:
         return
     every = np.ones(len(found))
-    c = row_changes(fitted, [*found.values()], BESIDE * every, prior_std=0.05 * every, prior_mean=0.0 * every)
+    c = row_changes(fitted, Effects([*found.values()], BESIDE * every, 0.05 * every, 0.0 * every))
     half = 2.0 * np.sqrt(3.0 * np.diag(c.covariance))  # as of delays
     for link, x, band in zip(found, c.values.tolist(), half.tolist(), strict=True):
         # Edges round by 5 mm stay below 0.7 mm; of 10 mm, four of five seeds are above (0 to 4). A contact that
@@ -258,22 +285,28 @@ def _beside(group: Group, link: str) -> Group:
     return replace(group, model=replace(group.model, leg=replace(leg, model=model)))
 
 
-def row_changes(
-    fitted: Fitted,
-    others: Sequence[Problem],
-    steps: FloatArray,
-    *,
-    prior_std: FloatArray,
-    prior_mean: FloatArray,
-    numbers: Callable[[Recording, FloatArray], NDArray[np.intp]] | None = None,
-) -> RowChanges:
-    """Find numbers c beside the parameters, given problems in which one of them has the size of its step."""
-    # Least squares of r = W δβ + D c with c ~ N(0, σ²), D by a difference, gives c and its covariance, and
-    # ∂β/∂c = −(WᵀW)⁻¹ WᵀD. Where one of the others changes several numbers, `numbers` says on which of them each row
-    # depends, (N, len(others)), or −1.
-    problem, count, more = fitted.problem, len(fitted.problem.names), len(prior_std)
-    prior = np.append(np.zeros(count), prior_std**-2.0)
-    information, right = np.diag(prior), prior * np.append(np.zeros(count), prior_mean)
+def row_changes(fitted: Fitted, effects: Effects) -> RowChanges:
+    """Find numbers c beside the parameters."""
+    # Least squares gives c and its covariance, and ∂β/∂c = −(WᵀW)⁻¹ WᵀD.
+    found, count, more = equations(fitted, effects), len(fitted.problem.names), len(effects.prior_std)
+    known = found.information[np.ix_(found.free, found.free)]
+    inverse = scaled_inverse(known)
+    own, slopes_of = np.flatnonzero(found.free[:count]), np.zeros((count, more))
+    slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ found.information[own, count:]
+    # sandwich of the scores of blocks
+    moved = found.scores[:, found.free] @ inverse[:, -more:]
+    spread = moved.T @ moved + inverse[-more:] @ np.diag(found.prior[found.free]) @ inverse[:, -more:]
+    covariance = inverse[-more:, -more:]
+    larger = np.sqrt(np.maximum(1.0, np.diag(covariance) / np.diag(spread)))
+    spread = spread * np.outer(larger, larger)
+    return RowChanges((inverse @ found.right[found.free])[-more:], covariance, slopes_of, spread, found.blocks)
+
+
+def equations(fitted: Fitted, effects: Effects) -> Equations:
+    """Form the normal equations of the parameters and of numbers beside them, whose columns D are differences."""
+    problem, count, more = fitted.problem, len(fitted.problem.names), len(effects.prior_std)
+    prior = np.append(np.zeros(count), effects.prior_std**-2.0)
+    information, right, squares = np.diag(prior), prior * np.append(np.zeros(count), effects.prior_mean), 0.0
     scores = defaultdict[tuple[str, int, float], FloatArray](lambda: np.zeros(count + more))
     blocks = set[tuple[int, float]]()
     for k, group in enumerate(problem.groups):
@@ -281,15 +314,15 @@ def row_changes(
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
         values = fitted.values(k)
         for index, one in enumerate(group.data):
-            rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in others)))
+            rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in effects.others)))
             first = residual(rows, values)
             changes = [first - residual(each, values) for each in changed]
-            both = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / steps]
+            both = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / effects.steps]
             columns = np.concatenate(both, axis=-1) * weights[:, None]
             depends = (
                 np.tile(np.arange(more), (len(first), 1))
-                if not isinstance(one, Recording) or numbers is None
-                else numbers(one, rows.time)
+                if not isinstance(one, Recording) or effects.numbers is None
+                else effects.numbers(one, rows.time)
             )
             # rows of all supports of a recording share its blocks of time
             parts = np.column_stack([np.floor(rows.time / BLOCK), depends])
@@ -299,23 +332,15 @@ def row_changes(
                 part = columns[start:stop].reshape(-1, len(where))[:, where >= 0]
                 where, block = where[where >= 0], float(parts[start, 0])
                 information[np.ix_(where, where)] += part.T @ part
-                score = part.T @ (first[start:stop] * weights).ravel()
+                left = (first[start:stop] * weights).ravel()
+                score = part.T @ left
                 right[where] += score
+                squares += float(left @ left)
                 scores[source_of(one), len(one), block][where] += score
                 blocks.add((id(one), block))
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False
-    known = information[np.ix_(free, free)]
-    inverse = scaled_inverse(known)
-    own, slopes_of = np.flatnonzero(free[:count]), np.zeros((count, more))
-    slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ information[own, count:]
-    # sandwich of the scores of blocks
-    moved = np.array([score[free] for score in scores.values()]) @ inverse[:, -more:]
-    spread = moved.T @ moved + inverse[-more:] @ np.diag(prior[free]) @ inverse[:, -more:]
-    covariance = inverse[-more:, -more:]
-    larger = np.sqrt(np.maximum(1.0, np.diag(covariance) / np.diag(spread)))
-    spread = spread * np.outer(larger, larger)
-    return RowChanges((inverse @ right[free])[-more:], covariance, slopes_of, spread, len(blocks))
+    return Equations(information, right, prior, np.array([*scores.values()]), free, squares, len(blocks))
 
 
 def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:
@@ -334,10 +359,10 @@ def tilted(problem: Problem, footing: Footing, before: Footing | None = None) ->
             return one
         return replace(one, base=replace(imu.corrected(one.base), calibrated=False))
 
-    return _changed(problem, range(len(problem.groups)), tilt)
+    return changed(problem, range(len(problem.groups)), tilt)
 
 
-def _changed(problem: Problem, parts: Sequence[int], change: Callable[[TorqueModel, Recording], Recording]) -> Problem:
+def changed(problem: Problem, parts: Sequence[int], change: Callable[[TorqueModel, Recording], Recording]) -> Problem:
     """Change the recordings of some groups."""
     groups = list(problem.groups)
     for k in parts:
@@ -358,7 +383,8 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     torques = rms_residuals(logged, parts, np.zeros(len(fitted.problem.names)))
     misfits = rms_residuals(logged, parts, fitted.fit.solution.values)
     measured = torques > 0.0
-    if (misfits[measured] > 0.25 * POOR * torques[measured]).any():
+    named = any(one.kind in ("torque-scale", "angle-offset") for one in fitted.findings)  # another sign may look alike
+    if not named and (misfits[measured] > 0.25 * POOR * torques[measured]).any():
         best = _best_reading(logged, parts)
         if best is not None:
             names = logged.groups[parts[0]].model.names
@@ -409,7 +435,7 @@ def _with_torques(problem: Problem, parts: Sequence[int], reading: Reading | Non
             return one
         return replace(one, tau=one.tau[:, list(reading.torque_order)] * reading.torques)
 
-    return _changed(problem, parts, read)
+    return changed(problem, parts, read)
 
 
 def rms_residuals(problem: Problem, parts: Sequence[int], values: FloatArray) -> FloatArray:

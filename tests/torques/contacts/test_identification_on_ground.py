@@ -130,6 +130,35 @@ def wrongly(log, link, value, seed):
     return replace(recording, contacts=contacts)
 
 
+@pytest.mark.parametrize(
+    ("kind", "joint", "size"),
+    [
+        ("torque-scale", 1, 1.15),
+        *(
+            pytest.param(*fault, marks=pytest.mark.slow)
+            for fault in (("torque-scale", 3, 0.9), ("angle-offset", 4, -0.04))
+        ),
+        ("angle-offset", 0, 0.04),
+    ],
+)
+def test_a_fault_of_one_joint_is_named(exo, stance, kind, joint, size):
+    """A knee of 1.1 times its torque had its shank 9 % too light in silence, and a wrong zero was a foot that rocks."""
+    at = np.arange(6) == joint
+    factor, zero = np.where(at, size, 1.0), np.where(at, size, 0.0)
+    scaled = [replace(log.recording, tau=log.recording.tau * factor) for log in stance]
+    turned = [replace(log.recording, q=log.recording.q + zero) for log in stance]
+    estimate = exoid.identify(exo, scaled if kind == "torque-scale" else turned, TERMS)
+    assert not {"rocking-foot", "torque-sign"} & {one.kind for one in estimate.findings}
+    found = {one.joint: one for one in estimate.findings if one.kind in ("torque-scale", "angle-offset")}
+    one = found.pop(exo.joint_names[joint])
+    assert {one.kind, *(other.kind for other in found.values())} == {kind}
+    assert one.parameters
+    assert one.interval[0] - 0.005 < size < one.interval[1] + 0.005
+    # Without a measured base one hip too far is the other hip too little far
+    opposite = {"right_hip": -size} if exo.joint_names[joint] == "left_hip" else {}
+    assert {name: other.value for name, other in found.items()} == pytest.approx(opposite, abs=0.005)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["swing labelled as stance", "stance labelled as swing"])
 def test_wrong_contacts_are_left_out(exo, stance, estimate, kind):
