@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import BoolArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding, Severity
@@ -20,7 +21,7 @@ from exoid.signals.base_checks import flies
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
-from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors
+from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors, beside
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
@@ -155,6 +156,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
     every = [split(model.leg, one, smears) for one in data]
+    findings += _places(data, every)
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
     apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
@@ -241,18 +243,6 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     ]
     if parts.imu is not None and parts.imu.rocks:
         late.append(_rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
-    size = float(np.linalg.norm(parts.beside))
-    if size > 0.0 and recording.base is not None:
-        place = ", ".join(f"{x:.2f}" for x in recording.base.position + parts.beside)
-        text = (
-            f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on its feet tell"
-        )
-        advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
-        late.append(
-            Finding(
-                "imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice, recording=name
-            )
-        )
     return late + [
         Finding(
             *(kind, "", share, "1", "warning" if share > many else "info"),
@@ -262,6 +252,25 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         for kind, share, many, message, remedy in rows
         if share > 0.0
     ]
+
+
+def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:
+    """Say where the base's sensor is, if all recordings together tell that it is not where they say."""
+    turns = defaultdict[tuple[float, ...], FloatArray](lambda: np.zeros((4, 4)))
+    for one, parts in zip(data, every, strict=True):
+        if one.base is not None:
+            turns[tuple(one.base.position.tolist())] += parts.turns
+    for position, total in turns.items():
+        size = float(np.linalg.norm(aside := beside(total)))
+        if size > 0.0:
+            place = ", ".join(f"{x:.2f}" for x in position + aside)
+            text = (
+                f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on feet tell"
+            )
+            advice = (
+                f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
+            )
+            yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
 
 
 def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:

@@ -65,7 +65,7 @@ def test_feet_on_ground_that_leans_are_no_bias_of_an_imu(exo, degrees):
     assert np.sqrt(np.mean(np.square(deviations))) < 1.4
     biases = [one.value for one in estimate.findings if one.kind == "imu-bias"]
     np.testing.assert_allclose(biases, np.hypot(0.1, 0.15), atol=0.01)
-    leans = [one for one in estimate.findings if one.kind == "base-from-feet"]
+    leans = [one for one in estimate.findings if one.kind in ("base-from-feet", "imu-position")]
     assert [(one.severity, round(one.value, 1)) for one in leans] == ([("warning", 3.0)] if degrees else [])
 
 

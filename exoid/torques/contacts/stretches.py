@@ -21,7 +21,7 @@ from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import Elimination, eliminate
-from .imu import CorrectedBase, ImuErrors, beside, imu_errors
+from .imu import CorrectedBase, ImuErrors, imu_errors, turns_on_feet
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import LOOK, Slip, sliding, slipping
 from .standing_base import level_rotation, standing_base, standing_reading
@@ -75,7 +75,7 @@ class Split(NamedTuple):
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
-        beside: How far the sensor on the base is from its place in the log, in the axes of the base [m], (3,); or zero.
+        turns: What turns on flat feet say of the place of the base's sensor, (4, 4), see :func:`~.imu.turns_on_feet`.
     """
 
     stretches: tuple[Stretch, ...]
@@ -84,7 +84,7 @@ class Split(NamedTuple):
     visible: float
     near: float
     late: Mapping[str, float]
-    beside: FloatArray
+    turns: FloatArray
 
 
 def split(
@@ -185,10 +185,10 @@ def split(
 def _without_bias(
     leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, *, tell: bool
 ) -> tuple[Recording, ImuErrors | None, Slip, FloatArray]:
-    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, slips, and its place."""
+    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, slips, and its turns."""
     base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
     if base is None or not leg.base_rows:
-        return raw, imu, slip, np.zeros(3)
+        return raw, imu, slip, np.zeros((4, 4))
     still, corrected = {link: standing_reading(leg, raw, link, base.position) for link in soles}, base
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
@@ -202,7 +202,7 @@ def _without_bias(
         slip = sliding(corrected, still, soles, rate) if raw.contacts else slip
         if not slip.slides.any():
             break
-    return replace(raw, base=corrected), imu, slip, beside(base, still, soles, rate)
+    return replace(raw, base=corrected), imu, slip, turns_on_feet(base, still, soles, rate)
 
 
 def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], rows: Elimination) -> None:
