@@ -5,30 +5,15 @@ import pytest
 from controlled_legs import cuhk_plant, exact_estimate
 
 import exoid
-from exoid.control import (
-    PASSIVE,
-    ControlModel,
-    FrictionCompensation,
-    State,
-    computed_torque,
-    feedforward_pd,
-    gravity_friction_pd,
-    gravity_support,
-    impedance,
-    lqr,
-    pd,
-    self_tuning,
-    sensitivity_amplification,
-    stateful,
-)
+from exoid import control
 from exoid.rig import Target
 
 FRICTIONS = {
-    "smooth": FrictionCompensation(),
-    "sharp": FrictionCompensation(width=0.0),
-    "too much": FrictionCompensation(width=0.2, scale=1.5),
-    "desired": FrictionCompensation(velocity="desired"),
-    "desired, sharp": FrictionCompensation(velocity="desired", width=0.0, scale=0.5),
+    "smooth": control.FrictionCompensation(),
+    "sharp": control.FrictionCompensation(width=0.0),
+    "too much": control.FrictionCompensation(width=0.2, scale=1.5),
+    "desired": control.FrictionCompensation(velocity="desired"),
+    "desired, sharp": control.FrictionCompensation(velocity="desired", width=0.0, scale=0.5),
     "none": None,
 }
 
@@ -37,16 +22,18 @@ SOURCES = {"est": exact_estimate(), "rig": cuhk_plant(), "leg": exoid.load_leg("
 
 
 LAWS = {
-    "pd": lambda source: pd(20.0, 2.0),
-    "feedforward": lambda source: feedforward_pd(source, 20.0, 2.0),
-    "computed torque": lambda source: computed_torque(source, 25.0, 8.0),
-    "lqr": lambda source: lqr(source, np.zeros(ControlModel.of(source).n)),
-    "impedance": lambda source: impedance(source, 60.0, 5.0),
-    "support": lambda source: gravity_support(source, 0.5, friction=PASSIVE),
-    "amplification": lambda source: sensitivity_amplification(source, 5.0),
-    "self-tuning": lambda source: self_tuning(source, 20.0, 2.0),
+    "pd": lambda source: control.pd(20.0, 2.0),
+    "feedforward": lambda source: control.feedforward_pd(source, 20.0, 2.0),
+    "computed torque": lambda source: control.computed_torque(source, 25.0, 8.0),
+    "lqr": lambda source: control.lqr(source, np.zeros(control.ControlModel.of(source).n)),
+    "impedance": lambda source: control.impedance(source, 60.0, 5.0),
+    "support": lambda source: control.gravity_support(source, 0.5, friction=control.PASSIVE),
+    "amplification": lambda source: control.sensitivity_amplification(source, 5.0),
+    "self-tuning": lambda source: control.self_tuning(source, 20.0, 2.0),
     **{
-        f"gravity, {name}": lambda source, friction=friction: gravity_friction_pd(source, 20.0, 2.0, friction=friction)
+        f"gravity, {name}": lambda source, friction=friction: control.gravity_friction_pd(
+            source, 20.0, 2.0, friction=friction
+        )
         for name, friction in FRICTIONS.items()
     },
 }
@@ -59,12 +46,12 @@ def random_steps(n, columns=()):
     for k in range(3):
         q, v, last, pushed, *aim = rng.uniform(-1.0, 1.0, (7, n, *columns))
         v[:1] = aim[1][:1] = 0.0
-        found.append((State(q, v, 6.0 + 0.01 * k, last, pushed), Target(*aim)))
+        found.append((control.State(q, v, 6.0 + 0.01 * k, last, pushed), Target(*aim)))
     return found
 
 
 def torques(law, steps):
-    law, found = stateful(law), []
+    law, found = control.stateful(law), []
     memory = law.begin(steps[0][0])
     for state, target in steps:
         torque, memory = law.step(memory, state, target)
@@ -76,11 +63,14 @@ def torques(law, steps):
 @pytest.mark.parametrize("count", [1, 3])
 def test_one_leg_and_many_get_the_same_torque(source, name, count):
     """Also as many legs as joints, where (n,) and (n, B) look alike."""
-    law, steps = LAWS[name](SOURCES[source]), random_steps(ControlModel.of(SOURCES[source]).n, (count,))
+    law, steps = LAWS[name](SOURCES[source]), random_steps(control.ControlModel.of(SOURCES[source]).n, (count,))
     many = torques(law, steps)
     for k in range(count):
         alone = [
-            (State(*(x[:, k] if isinstance(x, np.ndarray) else x for x in state)), Target(*(x[:, k] for x in target)))
+            (
+                control.State(*(x[:, k] if isinstance(x, np.ndarray) else x for x in state)),
+                Target(*(x[:, k] for x in target)),
+            )
             for state, target in steps
         ]
         np.testing.assert_allclose(torques(law, alone), many[..., k], rtol=1e-9, atol=1e-10)
@@ -95,7 +85,7 @@ def test_an_exact_estimate_gives_the_torques_of_the_rig_it_describes(name):
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_is_a_pure_function(name):
     """The same question gets the same answer, whatever was asked in between; torques and inputs stay as they are."""
-    law = stateful(LAWS[name](SOURCES["est"]))
+    law = control.stateful(LAWS[name](SOURCES["est"]))
     (state, target), (other, aim), _ = random_steps(2)
     memory, before = law.begin(state), [x.copy() for x in (state.q, state.v, target.q, target.v)]
     first, after = law.step(memory, state, target)

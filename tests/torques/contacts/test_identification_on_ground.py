@@ -13,7 +13,7 @@ from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.ground_prediction import level_wrench
 from exoid.signals import ZeroPhase
 from exoid.torques.contacts import split
-from exoid.torques.contacts.imu import CorrectedBase, beside
+from exoid.torques.contacts.imu import CorrectedBase
 
 TERMS = (Coulomb(smoothing=0.05), Viscous())
 NOISE, ENCODER = 0.4, 1e-4
@@ -130,32 +130,21 @@ def wrongly(log, link, value, seed):
     return replace(recording, contacts=contacts)
 
 
-@pytest.mark.parametrize(
-    ("kind", "joint", "size"),
-    [
-        ("torque-scale", 1, 1.15),
-        *(
-            pytest.param(*fault, marks=pytest.mark.slow)
-            for fault in (("torque-scale", 3, 0.9), ("angle-offset", 4, -0.04))
-        ),
-        ("angle-offset", 0, 0.04),
-    ],
-)
-def test_a_fault_of_one_joint_is_named(exo, stance, kind, joint, size):
+@pytest.mark.slow
+@pytest.mark.parametrize(("joint", "size"), [(1, 1.15), (3, 0.9), (4, -0.04), (0, 0.04)])
+def test_a_fault_of_one_joint_is_named(exo, stance, joint, size):
     """A knee of 1.1 times its torque had its shank 9 % too light in silence, and a wrong zero was a foot that rocks."""
-    at = np.arange(6) == joint
-    factor, zero = np.where(at, size, 1.0), np.where(at, size, 0.0)
-    scaled = [replace(log.recording, tau=log.recording.tau * factor) for log in stance]
-    turned = [replace(log.recording, q=log.recording.q + zero) for log in stance]
-    estimate = exoid.identify(exo, scaled if kind == "torque-scale" else turned, TERMS)
-    assert not {"rocking-foot", "torque-sign"} & {one.kind for one in estimate.findings}
-    found = {one.joint: one for one in estimate.findings if one.kind in ("torque-scale", "angle-offset")}
+    kind, own = "torque-scale" if size > 0.5 else "angle-offset", np.arange(6) == joint
+    factor = np.where(own & (kind == "torque-scale"), size, 1.0)
+    zero = np.where(own & (kind == "angle-offset"), size, 0.0)
+    logs = [replace(one, tau=one.tau * factor, q=one.q + zero) for one in (log.recording for log in stance)]
+    findings = exoid.identify(exo, logs, TERMS).findings
+    assert not {"rocking-foot", "torque-sign"} & {one.kind for one in findings}
+    found = {one.joint: one for one in findings if one.kind in ("torque-scale", "angle-offset")}
     one = found.pop(exo.joint_names[joint])
     assert {one.kind, *(other.kind for other in found.values())} == {kind}
-    assert one.parameters
     assert one.interval[0] - 0.005 < size < one.interval[1] + 0.005
-    # Without a measured base one hip too far is the other hip too little far
-    opposite = {"right_hip": -size} if exo.joint_names[joint] == "left_hip" else {}
+    opposite = {"right_hip": -size} if joint == 0 else {}  # without an IMU, the other hip may be too little far
     assert {name: other.value for name, other in found.items()} == pytest.approx(opposite, abs=0.005)
 
 
@@ -192,12 +181,6 @@ def displaced(log, place, seed):
     base, omega = log.base, log.base.angular_velocity
     more = np.cross(base.angular_acceleration, place) + np.cross(omega, np.cross(omega, place))
     return with_imu(log._replace(base=replace(base, specific_force=base.specific_force + more)), seed)
-
-
-def test_the_place_of_a_sensor_shows_while_feet_rest(exo):
-    log = standing(exo, "both", seconds=12.0, seed=3, noise=NOISE, encoder=ENCODER, friction=friction)
-    for place in ((0.06, 0.0, 0.2), (0.0, 0.0, -0.04), (0.0, 0.0, 0.0)):
-        np.testing.assert_allclose(beside(split(exo, displaced(log, place, 3)).turns), place, atol=0.005)
 
 
 @pytest.mark.slow
