@@ -40,6 +40,7 @@ MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a wa
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
 FAR_OFF = 0.05  # a sensor this far from where the log says moves the mass of a machine by percents [m]
+STRONGEST = 1e4  # torque that no joint of a machine that stands has [N·m]
 MANY = 2000  # samples that the reference of closed chains is chosen for
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
 
@@ -153,6 +154,13 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
     if group.preparation is None or any(group.preparation.parallel(one.sample_rate) is None for one in data):
         raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
+    most = max((float(np.nanmax(np.abs(one.tau), initial=0.0)) for one in data if one.tau is not None), default=0.0)
+    if most > STRONGEST:  # a sole that gives way under it would turn the base over
+        raise UnreadableInputError(
+            f"a torque of {most:.6g} N·m (limit {STRONGEST:g} N·m on the ground) looks like N·mm",
+            where=source_of(data[0]),
+            remedy="give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000",
+        )
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
     every = [split(model.leg, one, smears) for one in data]

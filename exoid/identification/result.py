@@ -38,7 +38,7 @@ from .checkup import fitted_leg
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import Checkup, check_fit
-from .findings.physics import impossible_leg, never_negative
+from .findings.physics import impossible_leg, mass_scale, never_negative
 from .friction_form import friction_form_error
 from .group_rows import Group
 from .groups import shared_agreement
@@ -144,7 +144,7 @@ class Result:
             error = friction_form_error(checked, checkup, residual_rms, noise or ())
         on_ground: list[Finding] = []
         if check and standing:
-            on_ground += torque_findings(self.fitted, parts)
+            on_ground += [*torque_findings(self.fitted, parts), *mass_scale(model.leg, values, model.names)]
             on_ground += impossible_leg(model.leg, values, covariance, [each.R for each in factors])
         of_fit = self.fitted.findings if first == 0 else ()  # said once
         assert rows.preparation is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -82,25 +83,37 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
     if len(odd) > 1 and len(odd) == len(scales) and sizes.max() < 2.0 * sizes.min():
         odd = {"": float(np.exp(np.mean(np.log(sizes))))}
     for joint, signed in odd.items():
-        size, looks = abs(signed), "as another unit would make it"
-        if 300.0 < size < 3000.0:
-            looks = "as N·mm would be, or a current in mA times N·m per A"
-        elif size < 1.0:
-            looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-        message = (
-            f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias ask "
-            f"for, {looks}; the log alone cannot tell"
-        )
-        remedy = (
-            "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
-            "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
-        )
-        # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit. The torques of
-        # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
-        severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
-        if joint and severity == "warning" and _coupled_misfit(checked, joint, size) > -np.log(1.1):
-            severity = "info"
-        yield Finding("torque-scale", joint, size, "1", severity, message, remedy, parameters=model.names)
+        finding = _other_scale(joint, abs(signed), model.names)
+        if joint and finding.severity == "warning" and _coupled_misfit(checked, joint, abs(signed)) > -np.log(1.1):
+            finding = replace(finding, severity="info")
+        yield finding
+
+
+def mass_scale(leg: Leg, values: FloatArray, names: tuple[str, ...]) -> Iterator[Finding]:
+    """Compare the mass of a whole machine, the first parameter of a floating base, with that of the URDF."""
+    if leg.base_rows and values[0] > 0.0 and abs(np.log(values[0] / leg.parameters[0])) > np.log(3.0):
+        yield _other_scale("", float(values[0] / leg.parameters[0]), names)
+
+
+def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
+    """Say that the torque of one joint, or of all, does not fit the URDF."""
+    looks = "as another unit would make it"
+    if 300.0 < size < 3000.0:
+        looks = "as N·mm would be, or a current in mA times N·m per A"
+    elif size < 1.0:
+        looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
+    message = (
+        f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias ask "
+        f"for, {looks}; the log alone cannot tell"
+    )
+    remedy = (
+        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    )
+    # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit. The torques of
+    # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
+    severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
+    return Finding("torque-scale", joint, size, "1", severity, message, remedy, parameters=names)
 
 
 def _coupled_misfit(checked: CheckedFit, joint: str, scale: float) -> float:

@@ -368,6 +368,8 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     turned = [{other[link]: flags for link, flags in log.recording.contacts.items()} for log in stance]
     logs = [replace(log.recording, contacts=each) for log, each in zip(stance, turned, strict=True)]
     assert "impossible-leg" in {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
+    found = exoid.check(exo, [replace(log.recording, tau=10.0 * log.recording.tau) for log in stance], terms=TERMS)
+    assert [round(each.value, 1) for each in found if each.kind == "torque-scale"] == [10.0]
 
 
 @pytest.mark.slow
