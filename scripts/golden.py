@@ -337,7 +337,7 @@ def _() -> Any:  # noqa: ANN401
     law = control.Limited(control.gravity_friction_pd(estimate("cuhk"), **PD), limit=(30.0, 12.0), slew=400.0)
     gait, rng, torques = healthy_gait(period=2.0), np.random.default_rng(4), [np.zeros(2)]
     for t in np.arange(0.0, 1.0, 1.0 / law.rate):
-        target = gait.at(t)
+        target = rig.Target(*(x[:, 0] for x in gait.at(t)))
         q, v = target.q + 0.02 * rng.standard_normal(2), target.v + 0.1 * rng.standard_normal(2)
         state = control.State(q, v, t, torques[-1])
         torques.append(law.step(law.begin(state), state, target)[0])

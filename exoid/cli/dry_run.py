@@ -43,8 +43,9 @@ def dry_run(source: ModelSource, options: DryRunOptions, gains: GainOptions, rea
 
 def _law(name: str, source: ModelSource, recording: Recording, gains: GainOptions, rate: float) -> AnyLaw:
     """Make a controller by its name."""
-    if name in WITHOUT_TARGET:
+    if name in (*WITHOUT_TARGET, "lqr"):
         refuse({"--kp": gains.kp, "--kd": gains.kd}, f"{name} has no gains")
+    if name in WITHOUT_TARGET:
         friction = control.PASSIVE if name == "transparent" else None
         return control.gravity_support(source, friction=friction, rate=rate)
     known = (*WITHOUT_TARGET, *control.LAWS)

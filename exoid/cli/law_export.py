@@ -20,7 +20,6 @@ from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.codegen import CSource
-    from exoid.control.ground import StanceLaw
     from exoid.control.law import AnyLaw
     from exoid.estimate import Estimate
 
@@ -38,24 +37,27 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
     """Write a law for an estimate as C, or as a package for ROS 2."""
     # Gains, rate and gait are those of `exoid track` unless options say otherwise; the limit is that of the URDF.
     name, default = str(target.law), Safety()
-    patience = default.patience if options.patience is None else options.patience
     gains = ("kp", "kd", "role")
     foreign = {
         "gravity_support": (*gains, "amplification", "bandwidth"),
         "sensitivity_amplification": (*gains, "share"),
         OBSERVER: (*gains, "limit", "slew", "share", "amplification"),
+        "lqr": (*gains[:2], "share", "amplification", "bandwidth"),
         GROUND: (*gains, "slew", "share", "amplification", "bandwidth"),
     }.get(name, ("share", "amplification", "bandwidth"))
-    safety = Safety(options.safe or default.safe, patience=patience)
+    safety = Safety(options.safe or default.safe, patience=_or(options.patience, default.patience))
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")
     law: object
     if name == OBSERVER:
         law = _observer(estimate, options)
     elif name == GROUND:
-        law = _on_ground(estimate, options)
+        limit = None if options.limit is None else joint_values(options.limit, "--limit", estimate.leg.joint_labels)
+        law = control.stance(estimate, limit=limit, rate=_or(options.rate, 500.0))
     else:
         law = _limited(_law(estimate, name, options), estimate, options)
     precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
+    if np.isinf(getattr(law, "limit", 0.0)).any():
+        warnings = (*warnings, "no limit of the torque: the URDF has none at some joint; give --limit")
     if target.ros2 is not None:
         return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
     drives, without = with_form_in_c(None if name == OBSERVER else estimate.actuators)
@@ -102,21 +104,11 @@ def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserv
     return control.MomentumObserver(estimate, bandwidth, rate, torque_delay=0.0)
 
 
-def _on_ground(estimate: Estimate, options: LawOptions) -> StanceLaw:
-    """Law with the gains, soles and friction cone that Python has as its defaults."""
-    labels = estimate.leg.joint_labels
-    limit = None if options.limit is None else joint_values(options.limit, "--limit", labels)
-    return control.stance(estimate, limit=limit, rate=_or(options.rate, 500.0))
-
-
 def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:
     """Limit the torque, by the URDF where no option says it."""
-    limit, labels = estimate.leg.limits.effort, estimate.leg.joint_labels
-    if options.limit is not None:
-        limit = joint_values(options.limit, "--limit", labels)
-    slew = np.full(len(labels), np.inf)
-    if options.slew is not None:
-        slew = joint_values(options.slew, "--slew", labels)
+    labels = estimate.leg.joint_labels
+    limit = estimate.leg.limits.effort if options.limit is None else joint_values(options.limit, "--limit", labels)
+    slew = np.inf if options.slew is None else joint_values(options.slew, "--slew", labels)
     return control.Limited(law, limit, slew)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -129,6 +128,7 @@ def _of_leg(
     from exoid.control.standard_laws import SENSORS  # noqa: PLC0415
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
     from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
+    from exoid.tools.numbers import checked  # noqa: PLC0415
 
     from .motions import gait, logged  # noqa: PLC0415 - help needs no gaits
 
@@ -143,7 +143,8 @@ def _of_leg(
     usual = exoid.control.default_gains(model, exoid.control.mean_pose(reference, period), rate)
     kp, kd = parse_gains(gains.kp, gains.kd, labels, usual)
     plant = source if isinstance(source, exoid.rig.Plant) else model.plant()
-    rubbing = {name: _friction(rig) * getattr(plant, name) for name in ("coulomb", "static", "viscous")}
+    factor = checked(1.0 if rig.rig_friction is None else rig.rig_friction, "--rig-friction", least=0.0)
+    rubbing = {name: factor * getattr(plant, name) for name in ("coulomb", "static", "viscous")}
     runs = exoid.control.compare_laws(
         exoid.rig.plant_with_payloads(replace(plant, **rubbing), _payloads(leg, motion, rig)),
         exoid.control.standard_laws(source, kp, kd, reference, period, rate=rate),
@@ -161,14 +162,6 @@ def _of_leg(
     if drives is not None:
         tables.append(_commands(runs.values(), drives))
     return tracking_report(f"Controllers on {what}", runs, tables, laws_json(runs, kp, kd, seed))
-
-
-def _friction(rig: RigOptions) -> float:
-    """Factor of the rig's friction relative to the controllers' model."""
-    factor = 1.0 if rig.rig_friction is None else rig.rig_friction
-    if not 0.0 <= factor < math.inf:
-        raise BadArgumentError(f"--rig-friction {factor:g}", remedy="give a factor of zero or more")
-    return factor
 
 
 def _commands(runs: Iterable[Tracking], actuators: Actuators) -> DataTable:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from exoid._typing import ArrayLike, FloatArray
 from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.tools.json_values import named
+from exoid.tools.numbers import checked
 from exoid.torques import TorqueModel
 
 from .constants import Constants, constants_of_bodies
@@ -34,7 +33,12 @@ def leg_source(
 ) -> CSource:
     """Turn the torques of a leg into C99."""
     prefix, leg = identifier(name), model.leg
-    numbers = _checked(model, values)
+    numbers = checked(() if values is None else values, "the values of a leg")
+    if numbers.shape != (len(model.names),):
+        raise BadArgumentError(
+            f"{numbers.size} values of {len(model.names)} parameters",
+            remedy=f"give one for each of {', '.join(model.names)}",
+        )
     terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
     text = fill(
         "leg.c.jinja",
@@ -71,18 +75,6 @@ def leg_source(
         *(f"note: {regrouped}" for regrouped in model.regrouped),
     )
     return CSource({f"{prefix}.c": text}, prefix, dialect, model, functions, facts, summary, warnings)
-
-
-def _checked(model: TorqueModel, values: ArrayLike | None) -> FloatArray:
-    """Copy the values, (P,), and forbid changes."""
-    numbers = np.array(values, dtype=np.float64)
-    if numbers.shape != (len(model.names),) or not np.isfinite(numbers).all():
-        raise BadArgumentError(
-            f"values of shape {numbers.shape} must be {len(model.names)} finite numbers",
-            remedy=f"give one for each of {', '.join(model.names)}",
-        )
-    numbers.flags.writeable = False
-    return numbers
 
 
 def _tables(model: TorqueModel, values: FloatArray, terms: TermsInC, dialect: Dialect) -> Iterator[Constants]:

@@ -10,6 +10,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.joint_numbers import for_joints
+from exoid.tools.numbers import checked
 
 SafeTorque = Literal["zero", "damping", "gravity"]
 """Kinds of safe torque; see :class:`Safety`."""
@@ -44,16 +45,9 @@ class Safety:
         """Check the settings."""
         if self.safe not in get_args(SafeTorque):
             raise BadArgumentError(f"no safe torque {self.safe!r}", remedy=f"use {', '.join(get_args(SafeTorque))}")
-        if not 0.0 < self.patience < np.inf:
-            raise BadArgumentError(f"a patience of {self.patience!r} s", remedy="give a positive time in seconds")
+        checked(self.patience, "the patience [s]", above=0.0, ndim=0)
         if self.damping is not None:
-            damping = np.array(self.damping, dtype=np.float64)
-            if damping.ndim > 1 or not np.isfinite(damping).all() or (damping < 0.0).any():
-                raise BadArgumentError(
-                    f"damping = {self.damping!r}", remedy="give finite damping ≥ 0, one or one a joint"
-                )
-            damping.flags.writeable = False
-            object.__setattr__(self, "damping", damping)
+            object.__setattr__(self, "damping", checked(self.damping, "damping [N·m·s/rad]", least=0.0))
 
     def steps(self, rate: float) -> int:
         """Convert the patience.

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, TypedDict
 
 from exoid._typing import ArrayLike
 from exoid.actuators import Actuators
@@ -19,6 +20,20 @@ from .law_source import law_source
 from .leg_source import leg_source
 from .safety import Safety
 from .source import CSource
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class SourceOptions(TypedDict, total=False):
+    """Options of :func:`c_source` and :func:`write_c`."""
+
+    provenance: Sequence[str]
+    warnings: Sequence[str]
+    precision: str
+    name: str | None
+    safety: Safety | None
+    actuators: Actuators | None
 
 
 def c_source(
@@ -79,13 +94,7 @@ def write_c(
     path: str | os.PathLike[str],
     source: TorqueModel | object,
     values: ArrayLike | None = None,
-    *,
-    provenance: Sequence[str] = (),
-    warnings: Sequence[str] = (),
-    precision: str = "double",
-    name: str | None = None,
-    safety: Safety | None = None,
-    actuators: Actuators | None = None,
+    **options: Unpack[SourceOptions],
 ) -> CSource:
     """Write the torques of a leg as one C99 file, or a control law as one and a header beside it.
 
@@ -95,12 +104,7 @@ def write_c(
         path: File to write, such as ``law.c``; the header of a law is ``law.h``.
         source: Leg and terms, or a law; see :func:`c_source`.
         values: Parameters of a leg, (P,).
-        provenance: Lines on the origin of the values, for the comment at the top.
-        warnings: Warnings about the values, for the result.
-        precision: "double" or "float".
-        name: Prefix of every name in C; None for the file's.
-        safety: Watchdog and safe torque of a law; None for damping and 50 ms.
-        actuators: Drives of the leg; a function then turns torques into their commands. None for no such function.
+        **options: Those of :func:`c_source`; ``name`` is that of the file if it is None.
 
     Returns:
         The text that was written, with its file.
@@ -110,16 +114,8 @@ def write_c(
     """
     if not isinstance(source, TorqueModel) and Path(path).suffix != ".c":
         raise BadArgumentError("a law is a source and a header", where=str(path), remedy="name the source: LAW.c")
-    written = c_source(
-        source,
-        values,
-        provenance=provenance,
-        warnings=warnings,
-        precision=precision,
-        name=Path(path).name if name is None else name,
-        safety=safety,
-        actuators=actuators,
-    )
+    options["name"] = options.get("name") or Path(path).name
+    written = c_source(source, values, **options)
     _, *headers = written.files.items()  # the source may have another name than the prefix, as my-law.c
     files = {Path(path).name: written.text, **dict(headers)}
     for file, text in files.items():

@@ -37,7 +37,8 @@ def describe(
 ) -> LawInC:
     """Describe a law with a model: numbers and comment of each table, comment of the memory, which begins with zero."""
     # `{friction}` stands in the equation, and `{{friction}}` in the step, where friction is compensated, at the
-    # velocity `measured`. The default damping of the safe torque is the default Kd of controllers, at the zero pose.
+    # velocity `measured`. The default damping of the safe torque is the default Kd of controllers, at the zero pose;
+    # of an estimate that no links have it may be negative, and would drive.
     none = "    for (j = 0; j < {{N}}; ++j) {\n        friction[j] = {{number(0)}};\n    }"
     statements, words = (none, "") if friction is None else friction.in_c(measured)
     return LawInC(
@@ -45,7 +46,7 @@ def describe(
         equation.replace("{friction}", words),
         step.replace("{{friction}}", statements),
         rate,
-        default_gains(model, np.zeros(model.n), rate)[1] if damping is None else damping,
+        default_gains(model, np.zeros(model.n), rate)[1].clip(0.0) if damping is None else damping,
         inputs,
         tuple(ArrayInC(name, what, np.array(values, dtype=np.float64)) for name, (values, what) in tables.items()),
         tuple(ArrayInC(name, what, np.zeros(model.n)) for name, what in (memory or {}).items()),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
@@ -37,9 +40,6 @@ class Law(Protocol):
 
     It has no memory of earlier samples; :class:`exoid.control.StatefulLaw` has one. It may use Pinocchio's work memory:
     make one for each thread.
-
-    Attributes:
-        rate: Sampling rate [Hz].
     """
 
     @property
@@ -70,9 +70,6 @@ class StatefulLaw(Protocol):
 
     The memory is a ``NamedTuple`` of arrays, (n,) or (n, B) each. The object does not change: one object may control
     several legs at once, each with its own memory.
-
-    Attributes:
-        rate: Sampling rate [Hz].
     """
 
     @property
@@ -174,13 +171,26 @@ def refuse_rate(rate: float) -> None:
     checked(rate, "the rate of a controller [Hz]", above=0.0)
 
 
+def sound(torque: FloatArray, state: State, target: Target | None = None) -> FloatArray:
+    """Torque of a sample; refuse numbers of other joints, which numpy spreads, and those for which C has a safe one."""
+    alike = torque.shape == state.q.shape == state.v.shape
+    for x in () if target is None else target:
+        alike &= x is None or (x.ndim == torque.ndim and len(x) == len(torque))
+    if not alike or not math.isfinite(np.vdot(torque, state.v)):  # one product for both: a step has no time for two
+        raise BadArgumentError(
+            f"{state} and {target} give the torque {torque}",
+            remedy="give arrays of finite numbers, one for each joint; without readings stop the leg",
+        )
+    return torque
+
+
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
     """Turn one value for each joint into a column if the state has columns."""
     if values.shape == like.shape:  # first: a step from Python is mostly such small calls
         return values
-    if values.ndim > 0 and values.shape[0] != like.shape[0]:
+    if values.ndim > like.ndim or (values.ndim > 0 and values.shape[0] != like.shape[0]):
         raise BadArgumentError(
-            f"{values.shape[0]} gains or limits for {like.shape[0]} joints", remedy="give one for each joint"
+            f"gains or limits of shape {values.shape} for {like.shape[0]} joints", remedy="give one for each joint"
         )
     return values[:, None] if values.ndim == 1 and like.ndim == 2 else values
 

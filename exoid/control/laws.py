@@ -9,7 +9,7 @@ from exoid.tools.numbers import checked
 
 from .friction import AHEAD, PASSIVE, FrictionCompensation, model_to_compensate
 from .law import RATE, gains
-from .model import ControlModel, ModelSource
+from .model import ControlModel, ModelSource, possible_mass_matrix
 from .tracking_law import TrackingLaw
 
 
@@ -63,9 +63,6 @@ def gravity_friction_pd(
 
     Warns:
         UserWarning: The friction coefficients are negative: compensating them destabilises the leg.
-
-    Example:
-        >>> law = gravity_friction_pd(est, kp=(22.0, 56.0), kd=(2.2, 5.6))  # doctest: +SKIP
     """
     model = model_to_compensate(source, friction)
     return TrackingLaw("gravity", gains(kp, "kp"), gains(kd, "kd"), model, friction, rate)
@@ -128,6 +125,7 @@ def computed_torque(
         UserWarning: The friction coefficients are negative.
     """
     model = model_to_compensate(source, friction)
+    possible_mass_matrix(model, np.zeros(model.n))
     return TrackingLaw("linearising", gains(kp, "kp"), gains(kd, "kd"), model, friction, rate)
 
 
@@ -156,9 +154,6 @@ def impedance(
 
     Raises:
         ExoidError: Stiffness or damping is negative, or the source has no control model.
-
-    Example:
-        >>> law = impedance(est, stiffness=(60.0, 40.0), damping=(6.0, 4.0))  # doctest: +SKIP
     """
     kp, kd = gains(stiffness, "stiffness"), gains(damping, "damping")
     return TrackingLaw("measured", kp, kd, ControlModel.of(source), friction, rate)

@@ -12,7 +12,7 @@ from exoid.codegen.law_in_c import law_in_c
 from exoid.rig import Target
 from exoid.tools.numbers import checked
 
-from .law import AnyLaw, Memory, State, spread, stateful
+from .law import AnyLaw, Memory, State, sound, spread, stateful
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +75,7 @@ class Limited:
         """
         torque, memory = stateful(self.law).step(memory, state, target)
         last = np.zeros_like(torque) if state.last is None else state.last
+        sound(torque, State(torque, last))
         change = spread(np.asarray(self.slew), torque) / self.rate
         torque = np.clip(torque, last - change, last + change)
         limit = spread(np.asarray(self.limit), torque)

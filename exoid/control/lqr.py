@@ -19,8 +19,8 @@ from exoid.tools.numbers import checked
 
 from .c_description import describe
 from .friction import AHEAD, FrictionCompensation, model_to_compensate
-from .law import RATE, State, acceleration, refuse_rate
-from .model import ControlModel, ModelSource
+from .law import RATE, State, acceleration, refuse_rate, sound
+from .model import ControlModel, ModelSource, possible_mass_matrix
 
 STEP = """\
     {{real}} friction[{{N}}];
@@ -50,7 +50,9 @@ class LQR:
         """Compute the torque; see the class."""
         torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
         torque = torque + self.gain @ np.concatenate([target.q - state.q, target.v - state.v])
-        return np.asarray(torque if self.friction is None else torque + self.friction.torque(self.model, state, target))
+        if self.friction is not None:
+            torque = torque + self.friction.torque(self.model, state, target)
+        return sound(torque, state, target)
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C."""
@@ -133,7 +135,7 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
     data = pinocchio.createData()
     at = configuration(pinocchio, q[None])[0]
     by_q, by_v, _ = pin.computeRNEADerivatives(pinocchio, data, at, v, a)
-    inverse, step = np.linalg.inv(model.mass_matrix(q)), 1e-5 * np.eye(n)  # [rad]
+    inverse, step = np.linalg.inv(possible_mass_matrix(model, q)), 1e-5 * np.eye(n)  # [rad]
     of_springs = (model.springs(q[:, None] + step) - model.springs(q[:, None] - step)) / 2e-5
     A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, n))
     A[:n, n:] = np.eye(n)

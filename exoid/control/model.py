@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate import Estimate
 from exoid.leg.closure import refuse_loops
 from exoid.leg.leg import Leg
@@ -288,6 +288,18 @@ class ControlModel:
     ) -> FloatArray:
         """What motion adds to the torques of the other terms."""
         return torque_of(self.others, q, v, a, load) - torque_of(self.others, q, load=load)
+
+
+def possible_mass_matrix(model: ControlModel, pose: FloatArray) -> FloatArray:
+    """Mass matrix at a pose; refuse one that no links have: feedback through it would drive the leg away."""
+    M = model.mass_matrix(pose)
+    if np.linalg.eigvalsh(M)[0] <= 0.0:
+        raise NotIdentifiableError(
+            f"no links have this mass matrix, with {np.diagonal(M).round(4).tolist()} kg·m² on its diagonal",
+            where=model.leg.description.name,
+            remedy="look at the findings of the estimate, such as signs of torques, and record faster motion",
+        )
+    return M
 
 
 def default_gains(source: ModelSource, pose: FloatArray, rate: float = RATE) -> tuple[FloatArray, FloatArray]:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import BadArgumentError, in_file
+from exoid.errors import BadArgumentError, in_file, within
 from exoid.experiments import follow_log
-from exoid.regression.rows import source_of
+from exoid.regression.rows import for_leg, source_of
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
@@ -19,6 +19,7 @@ from exoid.signals.timebase import refuse_gaps
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
+from exoid.torques import TorqueModel
 
 from .law import AnyLaw, State, name_of, stateful
 from .limited import Limited
@@ -141,6 +142,9 @@ def replay_law(
         3
     """
     where = source_of(recording)
+    inner = getattr(law, "law", law)
+    leg = getattr(getattr(inner, "model", getattr(inner, "source", None)), "leg", None)
+    recording = recording if leg is None else for_leg(TorqueModel(leg, ()), recording)  # by name, not by order
     with in_file(where):
         refuse_gaps(recording.time)
     if recording.sample_rate < 0.99 * law.rate:
@@ -185,11 +189,8 @@ def _commanded(
     memory, torques = runs.begin(State(q[0], v[0])), np.empty_like(q)
     for k, time in enumerate(times.tolist()):
         aim = Target(*(None if x is None else x[:, 0] for x in reference.at(time)))  # type: ignore[arg-type]
-        if aim.q.shape != q[k].shape:
-            raise BadArgumentError(
-                f"a reference of {len(aim.q)} joints for {q.shape[1]} joints", where=where, remedy="select the joints"
-            )
-        torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
+        with within(f"at {time:g} s"):
+            torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
         if torque.shape != q[k].shape or not np.isfinite(torque).all():
             raise BadArgumentError(
                 f"the controller commands {torque} N·m at {time:g} s",

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import NotSupportedError, UnreadableInputError
+from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical, lift
@@ -28,7 +28,7 @@ from exoid.torques import Armature, Coulomb, Stiffness, Term, TorqueModel, Visco
 from exoid.torques.motion import random_motion
 
 from .friction import WIDTH
-from .law import RATE, State, acceleration
+from .law import RATE, State, acceleration, sound
 from .laws import pd
 from .model import ControlModel, ModelSource, completed
 from .tracking_law import TrackingLaw
@@ -92,15 +92,16 @@ class SelfTuning:
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
         """Compute the torque, and refresh the parameters by the torque held in ``state.last``; see the class."""
-        n, shape = self.settings.n, state.q.shape
+        n, shape, feedback = self.settings.n, state.q.shape, self.feedback.torque(state, target)  # refuses bad numbers
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
         share = min(1.0, 1.0 / (self.rate * TIME_CONSTANT))
         values = values + self._shortened(share * (memory.aim.reshape(values.shape) - values), SLEW / self.rate)
         q, v, a = (x.reshape(n, -1).T for x in (target.q, target.v, acceleration(target)))
         W = self._ahead.regressor(q, v, a)
-        torque = self.feedback.torque(state, target) + np.einsum("bnp,pb->nb", W, values).reshape(shape)
-        return torque, memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
+        torque = feedback + np.einsum("bnp,pb->nb", W, values).reshape(shape)
+        memory = memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
+        return sound(torque, state, target), memory
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
         """Estimate of what the recursive estimator of one leg knows, without the prior."""
@@ -111,10 +112,6 @@ class SelfTuning:
         n = self.settings.n
         held = memory.requested if state.last is None else state.last.reshape(n, -1)
         now = np.array([state.q.reshape(n, -1), state.v.reshape(n, -1), held])
-        if not np.isfinite(now[:2]).all():
-            raise UnreadableInputError(
-                "a reading is not finite", remedy="stop the leg, and begin again with good readings"
-            )
         pending, before = memory.pending, memory.before
         if np.isfinite(before).all() and np.isfinite(held).all():
             complete = np.array([before[0], before[1], 0.5 * (before[2] + held)])

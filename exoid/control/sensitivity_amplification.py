@@ -18,7 +18,7 @@ from exoid.tools.numbers import checked
 
 from .c_description import describe
 from .friction import FrictionCompensation
-from .law import State, refuse_rate, spread
+from .law import State, refuse_rate, sound, spread
 from .model import ControlModel, ModelSource
 
 MEMORY = {
@@ -156,7 +156,7 @@ class SensitivityAmplification:
         if self.friction is not None:
             filtered = state._replace(q=moved.q, v=moved.v)
             inertial = inertial + self.friction.torque(self.model, filtered, target)
-        return self.model.statics(state.q) + spread(self.share, state.q) * inertial, moved
+        return sound(self.model.statics(state.q) + spread(self.share, state.q) * inertial, state), moved
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C; it has no reference."""
@@ -200,9 +200,6 @@ def sensitivity_amplification(
 
     Raises:
         ExoidError: An amplification is below 1, bandwidth or rate do not fit, or the source has no control model.
-
-    Example:
-        >>> law = sensitivity_amplification(est, 5.0, bandwidth=15.0)  # doctest: +SKIP
     """
     model = ControlModel.of(source)
     return SensitivityAmplification(model, np.asarray(amplification), MotionFilter(bandwidth, rate), friction)

@@ -15,7 +15,7 @@ from exoid.tools.numbers import checked
 from .law import RATE, AnyLaw
 from .laws import computed_torque, feedforward_pd, gravity_friction_pd, pd
 from .lqr import lqr
-from .model import ControlModel, ModelSource
+from .model import ControlModel, ModelSource, possible_mass_matrix
 from .self_tuning import self_tuning
 
 LAWS = ("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "self_tuning")
@@ -83,7 +83,7 @@ def standard_laws(
     """
     model = ControlModel.of(source)
     pose = mean_pose(reference, period)
-    inertia = np.diagonal(model.mass_matrix(pose))
+    inertia = np.diagonal(possible_mass_matrix(model, pose))
     soft = [np.asarray(gain, dtype=np.float64) / inertia for gain in (kp, kd)]
     makers: dict[str, Callable[[], AnyLaw]] = {
         "pd": lambda: replace(pd(kp, kd, rate=rate), model=model),  # which names the joints in C

@@ -17,7 +17,7 @@ from exoid.rig import Target
 
 from .c_description import describe
 from .friction import FrictionCompensation
-from .law import RATE, State, acceleration, gains, refuse_rate, spread
+from .law import RATE, State, acceleration, refuse_rate, sound, spread
 from .model import ControlModel
 
 
@@ -98,7 +98,9 @@ FEEDFORWARDS = {
     ),
     "measured": Feedforward(
         "Impedance",  # Hogan 1985: the wearer feels −(M ë + D ė + K e), at rest a spring, whatever the weight
-        lambda law, s, t: law.feedback(s, t) + law.known.inverse_dynamics(s.q, s.v, _acceleration_or_zero(s, t)),
+        lambda law, s, t: (
+            law.feedback(s, t) + law.known.inverse_dynamics(s.q, s.v, (0.0 if t.a is None else t.a) + 0.0 * s.q)
+        ),
         "tau = K (q_d - q) + D (v_d - v) + M(q) a_d + C(q, v) v + G(q) + springs(q){friction}",
         INVERSE_DYNAMICS.replace("in->q_d, in->v_d", "in->q, in->v"),
         gains=("K [N m/rad]", "D [N m s/rad]"),
@@ -138,10 +140,8 @@ class TrackingLaw:
     rate: float = RATE  # sampling rate [Hz]
 
     def __post_init__(self) -> None:
-        """Check gains and rate."""
+        """Check the rate."""
         refuse_rate(self.rate)
-        for name in ("kp", "kd"):
-            object.__setattr__(self, name, gains(getattr(self, name), name))
 
     @property
     def name(self) -> str:
@@ -161,8 +161,11 @@ class TrackingLaw:
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class."""
-        torque = FEEDFORWARDS[self.feedforward].torque(self, state, target)
-        return torque if self.friction is None else torque + self.friction.torque(self.known, state, target)
+        kind = FEEDFORWARDS[self.feedforward]
+        torque = kind.torque(self, state, target)
+        if self.friction is not None:
+            torque = torque + self.friction.torque(self.known, state, target)
+        return sound(torque, state, target if kind.inputs else None)
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C."""
@@ -192,8 +195,3 @@ class TrackingLaw:
             tables=tables,
             damping=kind.damping(self, kd),
         )
-
-
-def _acceleration_or_zero(state: State, target: Target) -> FloatArray:
-    """Acceleration of a target; one without counts as one of constant velocity."""
-    return np.zeros_like(state.q) if target.a is None else np.broadcast_to(target.a, state.q.shape)

@@ -21,6 +21,7 @@ REFUSED = {
         ("est.json -o x.csv", "there is no --dry-run"),
         ("cuhk.json --dry-run log.csv --law nonsense", "no controller 'nonsense'"),
         ("cuhk.json --dry-run log.csv --kp 10,10", "gravity_support has no gains"),
+        ("cuhk.json --dry-run log.csv --law lqr --kp 10,10", "lqr has no gains"),
         ("cuhk.json --dry-run log.csv --rig-payload 1", "--rig-payload has no effect"),
         ("cuhk.json --dry-run log.csv --rate 1000", "1000 Hz"),
         ("cuhk.json --dry-run log.csv --limit 1,2,3", "--limit 1,2,3"),
@@ -65,6 +66,7 @@ REFUSED = {
         ("est.json --law momentum_observer --ros2 leg", "which no drive must follow"),
         ("est.json --law pd --c law.txt", "name the source: LAW.c"),
         ("est.json --law gravity_support --kp 9 --c law.c", "--kp has no effect: gravity_support has none"),
+        ("est.json --law lqr --kd 9 --c law.c", "--kd has no effect: lqr has none"),
         ("est.json --law pd --role hip --c law.c", "JOINT=ROLE"),
     ],
     "identify": [

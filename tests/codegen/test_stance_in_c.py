@@ -122,8 +122,8 @@ def test_c_is_the_law_in_random_states(compiled, solver, request):
     assert infeasible > 10
 
 
-@pytest.mark.parametrize("change", [{"contact": 0.0}, {"solve": 0}], ids=["in the air", "no solver"])
-def test_without_support_or_solver_joints_are_damped(compiled, change):
+@pytest.mark.parametrize("change", [{"contact": 0.0}, {"solve": 0}, {"share": -0.5}, {"contact": 4.0}], ids=str)
+def test_without_support_or_solver_or_with_what_python_refuses_joints_are_damped(compiled, change):
     law, in_c = compiled
     values = {**values_of(law, *drawn(law, np.random.default_rng(0))), **change}
     tau, status, _ = in_c.run(records(in_c.source, 1, values))

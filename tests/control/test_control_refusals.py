@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from controlled_legs import LEG, cuhk_plant, exact_estimate
 
+from exoid.codegen import Dialect
 from exoid.control import (
     ControlModel,
     FrictionCompensation,
@@ -16,6 +17,7 @@ from exoid.control import (
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
+    impedance,
     lqr,
     mean_pose,
     pd,
@@ -24,11 +26,12 @@ from exoid.control import (
     sensitivity_amplification,
     simulate_law,
     simulate_many,
+    standard_laws,
     stateful,
 )
 from exoid.control.closed_loop import plant_step
 from exoid.control.sensitivity_amplification import MotionFilter
-from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
+from exoid.errors import BadArgumentError, ExoidError, NotIdentifiableError
 from exoid.experiments import Harmonics, healthy_gait
 from exoid.rig import Target
 from exoid.signals import Recording
@@ -36,6 +39,7 @@ from exoid.signals import Recording
 GAIT, PLANT = healthy_gait(period=2.0), cuhk_plant()
 TWO_GAITS = Harmonics.concatenate([GAIT, GAIT])
 REST, AIM = State(np.zeros(2), np.zeros(2)), Target(np.zeros(2), np.zeros(2))
+MOVE = AIM._replace(a=np.zeros(2))
 NAN, INF = np.nan, np.inf
 
 
@@ -109,6 +113,19 @@ REFUSED = {
         (lambda x: simulate_law(PLANT, pd(1.0, 1.0), GAIT, 1.0, settle=x), 1.0),
         *((lambda x: plant_step(*x), bad) for bad in ((0.0, 100.0), (100.0, NAN), (99.97, 100.0))),
     ],
+    "sample": [
+        (lambda bad, law=law: _step(stateful(law), *bad), bad)
+        for law in (pd(1.0, 1.0), lqr(LEG, (0.1, 0.2)), computed_torque(LEG, 1.0, 1.0), self_tuning(LEG, 1.0, 1.0))
+        for bad in ((REST._replace(q=np.array([NAN, 0.0])), MOVE), (REST, MOVE._replace(v=np.array([0.0, NAN]))))
+    ] + [
+        (lambda aim, law=law: _step(stateful(law), REST, aim), MOVE._replace(**{name: bad}))
+        for law in (pd(1.0, 1.0), gravity_friction_pd(LEG, 1.0, 1.0), impedance(LEG, 1.0, 1.0))
+        for name, bad in (("q", np.ones(1)), ("v", np.ones(1)), ("q", np.ones((2, 1))))
+    ] + [
+        (lambda law: _step(law, REST._replace(v=np.array([NAN, 0.0])), None), sensitivity_amplification(LEG, 2.0)),
+        (lambda law: law.step((), REST._replace(last=np.array([0.0, NAN])), AIM), Limited(pd(1.0, 1.0), 5.0)),
+        (lambda gain: pd(gain, 1.0).torque(REST, AIM), np.eye(2)),
+    ],
     "replay": [
         (lambda law: replay_law(law, logged()), sensitivity_amplification(LEG, 2.0)),  # 500 Hz, the log has 100
         (lambda law: replay_law(law, logged().select(LEG.joint_names[:1]), GAIT), pd((1.0, 1.0), (1.0, 1.0))),
@@ -135,6 +152,15 @@ def logged(keep=slice(None)):
     return Recording(time=time[keep], q=q[keep], v=v[keep], joint_names=LEG.joint_names)
 
 
+def test_an_estimate_with_a_mass_matrix_of_no_links_gets_no_gains():
+    wrong = replace(exact_estimate(), values=-exact_estimate().values)  # torques of the other sign
+    laws = (lambda: lqr(wrong, (0.1, 0.2), friction=None), lambda: standard_laws(wrong, 1.0, 1.0, GAIT, 2.0))
+    for make in (*laws, lambda: computed_torque(wrong, 1.0, 1.0, friction=None)):
+        with pytest.raises(NotIdentifiableError, match="mass matrix"):
+            make()
+    assert (gravity_support(wrong).in_c(Dialect("double")).damping >= 0.0).all()
+
+
 @pytest.mark.parametrize(("call", "bad"), [case for cases in REFUSED.values() for case in cases])
 def test_bad_arguments_are_refused(call, bad):
     with pytest.raises(BadArgumentError):
@@ -159,9 +185,3 @@ def test_logs_with_gaps_or_missing_values_and_torques_that_are_not_finite_are_re
     broken = replace(model, spring=np.full_like(model.spring, NAN))
     with pytest.raises(ExoidError, match="at 0 s"):
         replay_law(gravity_support(broken), logged(), GAIT)
-
-
-@pytest.mark.parametrize("what", ["q", "v"])
-def test_readings_that_are_not_finite_are_refused(what):
-    with pytest.raises(UnreadableInputError):
-        _step(self_tuning(LEG, 1.0, 1.0), REST._replace(**{what: np.array([NAN, 0.0])}), AIM._replace(a=np.zeros(2)))

@@ -20,7 +20,6 @@ from exoid.control import (
     gravity_friction_pd,
     pd,
 )
-from exoid.experiments import gait_for_leg, healthy_gait
 
 STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_gains.py"))
 KP, KD = (22.0, 56.0), (2.2, 5.6)
@@ -109,14 +108,3 @@ def test_on_own_legs_with_light_ankles_compensation_is_not_worse_than_pd(seed):
     assert (runs["desired"].peak_deg <= runs["pd"].peak_deg).all()
     assert (runs["desired"].rms_deg <= runs["pd"].rms_deg).all()
     assert runs["measured"].peak_deg[-1] > 2.0 * runs["desired"].peak_deg[-1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("period", [4.0, 10.0])
-def test_with_default_gains_compensation_is_not_worse_than_pd(period):
-    gait = gait_for_leg(PLANT.leg, healthy_gait(0.8, period))
-    kp, kd = control.default_gains(PLANT, control.mean_pose(gait, period))
-    laws = {"pd": pd(kp, kd), "compensated": gravity_friction_pd(PLANT, kp, kd)}
-    runs = control.compare_laws(PLANT, laws, gait, 2.0 * period, settle=period)
-    assert (runs["compensated"].peak_deg <= runs["pd"].peak_deg).all()
-    assert (runs["compensated"].rms_deg <= runs["pd"].rms_deg).all()

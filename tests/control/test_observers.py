@@ -400,6 +400,7 @@ def test_a_bad_reading_is_refused_and_the_memory_stays_good(reading, kind, joint
         {"rate": -1.0},
         {"cutoff": 600.0},
         {"torque_delay": (0.0, 1.0)},
+        {"velocity_delay": 5.0},
         {"false_alarms": 0.0},
         {"false_alarms": -1.0},
         {"width": 0.0},

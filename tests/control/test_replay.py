@@ -47,6 +47,8 @@ def test_gravity_support_commands_the_weight_at_the_angles_of_the_log(run):
     log = replace(run.recording, v=run.v)
     found = replay_law(gravity_support(exact_estimate(), 0.5), log, GAIT, name="half")
     np.testing.assert_allclose(found.commanded, 0.5 * ControlModel.of(exact_estimate()).statics(log.q.T).T, atol=1e-12)
+    swapped = replay_law(gravity_support(exact_estimate(), 0.5), log.select(LEG.joint_names[::-1]), GAIT)
+    np.testing.assert_array_equal(swapped.commanded, found.commanded)  # joints are found by name
     assert found.law == "half"
     assert "half at 100 Hz" in str(found)
 

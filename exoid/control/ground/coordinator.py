@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control.functions import SEAT, SIDES, Contacts, Function, minimum_jerk
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, nearest
 from exoid.tools.numbers import checked
 
 from .hypotheses import CERTAIN
@@ -171,7 +171,13 @@ class Coordinator:
 
         Returns:
             The decision.
+
+        Raises:
+            ExoidError: There is no such function.
         """
+        if request is not None and request not in self.functions:
+            remedy = f"{nearest(request, self.functions)}use one of {', '.join(self.functions)}"
+            raise BadArgumentError(f"no function {request!r}", remedy=remedy)
         dt = 1.0 / self.rate
         best = max(probability, key=lambda each: probability[each])
         known = probability[best] > CERTAIN

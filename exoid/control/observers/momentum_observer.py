@@ -271,7 +271,8 @@ class MomentumObserver:
         n, delays = self.model.n, self.torque_delay
         if delays is None:
             delays = self.source.torque_delays if isinstance(self.source, Estimate) else 0.0
-        lags = checked([for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)], "a delay", ndim=2)
+        given = [for_joints(lag, n, "delays") for lag in (self.velocity_delay, delays)]
+        lags = checked(given, "a delay [s]", least=-0.5, most=0.5, ndim=2)  # more is a number in ms
         cutoff = self.cutoff
         if cutoff is None:
             # Near the bandwidth noise is least for a delay. The low-pass acts on angles inside sines and products,

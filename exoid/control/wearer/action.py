@@ -24,7 +24,6 @@ ALLOWANCE = 1.5
 Logs of legs that are not worn reach 1.1 (real ones) and 1.3 (friction of another form at twice the speed of the
 training, ``scripts/study_interaction.py --unworn``)."""
 
-
 LIKE = 0.9
 """Share of a torque that bodies or a sensor have to explain to be named."""
 
@@ -99,11 +98,22 @@ def constant_torques(
             yield Finding(kind, joint, float(mean), "N·m", "warning", message, remedy, recording=source)
 
 
-def body_like(
-    estimate: EstimateData, bodies: FloatArray | None, actions: Sequence[JointAction], source: str
-) -> Iterator[Finding]:
+def explanations(
+    estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction], source: str
+) -> list[Finding]:
+    """Find what explains an interaction: bodies, or sensors and friction if they do so better at all joints."""
+    acting = [joint for joint, action in zip(estimate.joint_names, actions, strict=True) if action.acts]
+    bodies = list(_body_like(estimate, found.bodies, source)) if acting else []
+    others = list(_sensor_like(estimate, found, acting))
+    if not bodies or len(others) < len(acting):
+        return bodies or others
+    weight = (found.torque.var(axis=0) / np.maximum(found.noise, 1e-300))[np.isin(estimate.joint_names, acting)]
+    return others if np.average([one.value for one in others], weights=weight) > bodies[0].value else bodies
+
+
+def _body_like(estimate: EstimateData, bodies: FloatArray | None, source: str) -> Iterator[Finding]:
     """Find an interaction that other bodies on the leg explain, W δ ≈ τ_w: a payload, a limb, or a wrong estimate."""
-    if bodies is None or not any(action.acts for action in actions):
+    if bodies is None:
         return
     A, b, whole = bodies[:-1, :-1], bodies[:-1, -1], bodies[-1, -1]
     values = estimate.values[: len(b)]
@@ -115,10 +125,7 @@ def body_like(
     if part < LIKE:
         return
     share = f"{part:.0%} of the torque is that of bodies on the leg"
-    if heavier < -1.0:
-        message = f"{share} with a negative mass: the torque of this recording seems to have the other sign"
-        remedy = "check the signs of its torques (exoid check)"
-    elif heavier < -0.01:
+    if heavier < -0.01:
         message = f"{share}: it takes {-heavier:.0%} less torque than the estimate says"
         remedy = "check that the estimate was identified from this leg, unworn, without a payload that is missing now"
     elif heavier > 0.01:
@@ -130,25 +137,28 @@ def body_like(
     yield Finding("body-like-interaction", "", part, "1", "warning", message, remedy, recording=source)
 
 
-def sensor_like(estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction]) -> Iterator[Finding]:
-    """Find an interaction τ̂ − τ that a sensor explains, which reads τ = g τ̂(t) or τ̂(t − δ) beside its zero."""
+def _sensor_like(estimate: EstimateData, found: Evaluation, acting: Sequence[str]) -> Iterator[Finding]:
+    """Find an interaction τ̂ − τ of a sensor that reads τ = g τ̂(t) or τ̂(t − δ) beside its zero, or of friction g F̂."""
     # half way between both torques, τ̂(t) − τ̂(t − δ) ≈ δ τ̂'(t − δ/2) holds to the second order
     slope = np.gradient(found.predicted - 0.5 * found.torque, found.time, axis=0)
-    for k, action in enumerate(actions):
-        if not action.acts:
-            continue
+    sensors = "check sign, scale and time stamps of the torque in a recording without a wearer (exoid check)"
+    friction = "identify again, unworn and as warm as here; a wearer who only brakes or drives looks the same"
+    forms = (
+        ("sensor", "a sensor that reads {0:.3g} times the torque", sensors),
+        ("sensor", "a sensor that is {1:.3g} ms late", sensors),
+        ("friction", "friction that is {0:.3g} times the estimate's", friction),
+    )
+    for joint in acting:
+        k = estimate.joint_names.index(joint)
         felt = found.torque[:, k] - found.torque[:, k].mean()
-        for of_scale, rows in ((True, found.predicted), (False, slope)):
-            row = rows[:, k] - rows[:, k].mean()
-            product, power = float(row @ felt), float(row @ row)
-            share = product**2 / (power * float(felt @ felt)) if power > 0.0 else 0.0
-            if share > LIKE:
-                ratio = product / power
-                wrong = f"reads {1.0 - ratio:.3g} times the torque" if of_scale else f"is {1e3 * ratio:.3g} ms late"
-                message = f"{share:.0%} of the torque is as of a sensor that {wrong}"
-                remedy = "check sign, scale and time stamps of the torque in a recording without a wearer (exoid check)"
-                joint = estimate.joint_names[k]
-                yield Finding("sensor-like-interaction", joint, share, "1", "warning", message, remedy)
+        rows = np.array([each[:, k] - each[:, k].mean() for each in (found.predicted, slope, found.friction)])
+        ratios = rows @ felt / np.maximum((rows**2).sum(axis=1), 1e-300)
+        shares = ratios * (rows @ felt) / (felt @ felt)
+        best = int(shares.argmax())
+        kind, what, remedy = forms[best]
+        if (share := float(shares[best])) > LIKE:
+            message = f"{share:.0%} of the torque is as of {what.format(1.0 - ratios[best], 1e3 * ratios[best])}"
+            yield Finding(f"{kind}-like-interaction", joint, share, "1", "warning", message, remedy)
 
 
 def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str) -> Iterator[Finding]:

@@ -29,6 +29,7 @@ class Evaluation(NamedTuple):
     # friction may have another value, up to that of sliding
     variance: FloatArray
     noise: FloatArray  # part of it that is noise of the measurement [N²·m²], (n,)
+    friction: FloatArray  # part of the predicted torque that is friction [N·m], (N, n); zero on the ground
     ranges: MotionRanges | None = None  # ranges of the motion; None for a leg on the ground
     # [W τ]ᵀ [W τ] with the columns W of the leg's bodies and rows over their noise, (p + 1, p + 1); None on the ground
     bodies: FloatArray | None = None
@@ -39,7 +40,7 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     if stands(estimate, recording):
         compared = compare_on_ground(estimate, recording, preparation, bandwidth, unknown_wrenches=False)
         torque, variance = compared.predicted - compared.measured, compared.variance
-        return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0))
+        return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)
     model, count, leg = estimate.band_model, len(estimate.values), len(estimate.model.leg.parameter_names)
     rubbing = estimate.model.friction
     prepared, data = prepare(estimate.model, recording, preparation, every=True), for_leg(estimate.model, recording)
@@ -76,7 +77,7 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     variance = variance + (level * share) ** 2 / 3.0  # uniform between −c and c
     used, motion = prepared.inside, prepared.motion
     ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
-    return Evaluation(time, torque, predicted, variance, noise, ranges, bodies)
+    return Evaluation(time, torque, predicted, variance, noise, friction, ranges, bodies)
 
 
 def _at_ends(prepared: Prepared, stretch: range, unknown: FloatArray) -> tuple[FloatArray, FloatArray]:

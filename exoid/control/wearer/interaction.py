@@ -35,11 +35,10 @@ from .action import (
     LEVEL,
     Evidence,
     JointAction,
-    body_like,
     constant_torques,
+    explanations,
     judge,
     rough_estimate,
-    sensor_like,
     too_few_samples,
 )
 from .evaluation import Evaluation, evaluate
@@ -87,11 +86,13 @@ class Interaction(ReadOnly, Report):
 
     @property
     def worn(self) -> bool | None:
-        """Whether something acts beyond noise, model error and a constant torque; None if the estimate cannot tell.
+        """Whether something acts beyond noise, model error and a constant torque; None if errors prevent an answer.
 
         A recording without a wearer is called worn with a probability of at most 1 %; see :func:`.action.judge`.
         """
-        wrong = any(finding.kind == "rough-estimate" and finding.severity == "error" for finding in self.findings)
+        wrong = {finding.kind for finding in self.findings if finding.severity == "error"}
+        if wrong - {"rough-estimate"}:
+            return None
         return any(action.acts for action in self.actions) or (None if wrong else False)
 
     @property
@@ -193,7 +194,7 @@ class Interaction(ReadOnly, Report):
         acting = ", ".join(name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts)
         conclusion = f"worn: something acts on {acting}" if acting else "not worn: nothing beyond model error"
         if self.worn is None:
-            conclusion = "worn or not: the estimate cannot tell"
+            conclusion = "worn or not: the errors above must be mended before it can be told"
         return [
             f"Torque of the wearer on the leg in {self.source}",
             make_table(HEADERS, self.rows()),
@@ -270,7 +271,6 @@ def interaction(
     evidence = _evidence(estimate, found, torque, fraction)
     actions = judge(evidence)
     phase = find_phase(even, strides)
-    by_bodies = list(body_like(estimate, found.bodies, actions, name))
     findings = [
         *shifted_torques(estimate),
         *channel_findings(recording),
@@ -279,7 +279,7 @@ def interaction(
         *too_few_samples(estimate, evidence, name),
         *rough_estimate(estimate, found.predicted, name),
         *constant_torques(estimate, evidence, actions, name),
-        *(by_bodies or sensor_like(estimate, found, actions)),
+        *explanations(estimate, found, actions, name),
     ]
     return Interaction(
         estimate.joint_names,

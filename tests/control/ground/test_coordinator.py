@@ -52,6 +52,8 @@ def test_a_request_in_mid_swing_waits_for_both_feet_and_is_dropped_if_they_do_no
     memory.waiting = machine.patience
     run(machine, memory, LEFT, 0.02)
     assert memory.request is None
+    with pytest.raises(ExoidError, match="did you mean 'stand'"):
+        run(machine, memory, LEFT, 0.02, request="stnd")
 
 
 def test_doubt_freezes_the_support_then_damps_then_stops_and_recovers():

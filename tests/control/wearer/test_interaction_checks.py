@@ -39,11 +39,19 @@ def test_a_sensor_whose_zero_is_off_is_no_wearer(estimate, unworn):
     assert not found.worn
 
 
-def test_torques_of_the_other_sign(estimate, unworn):
-    (finding,) = of_kind(
-        exoid.interaction(estimate, dataclasses.replace(unworn, tau=-unworn.tau)), "body-like-interaction"
-    )
-    assert "other sign" in finding.message
+@pytest.mark.parametrize(("scale", "words"), [(-1.0, "reads -1"), (1e3, "reads 1e+03")])
+def test_torques_of_another_sign_or_unit(estimate, unworn, scale, words):
+    found = exoid.interaction(estimate, dataclasses.replace(unworn, tau=scale * unworn.tau))
+    named = of_kind(found, "sensor-like-interaction")
+    assert [each.joint for each in named] == list(estimate.joint_names) == [each.joint for each in found.findings]
+    assert words in named[0].message
+
+
+def test_friction_that_changed_since_the_training(estimate, unworn):
+    W, rubbing = estimate.model.regressor(*swing(estimate.leg, 7).motion), estimate.model.friction
+    tau = unworn.tau + 1.5 * W[..., rubbing] @ estimate.values[rubbing]
+    named = of_kind(exoid.interaction(estimate, dataclasses.replace(unworn, tau=tau)), "friction-like-interaction")
+    assert float(re.search(r"is (\S+) times", named[0].message)[1]) == pytest.approx(2.5, rel=0.03)
 
 
 @pytest.mark.parametrize(("scale", "late", "unit"), [(-1.0, 0, "times"), (1.2, 0, "times"), (1.0, 4, "ms late")])
@@ -79,12 +87,14 @@ def test_an_estimate_with_errors_cannot_tell_that_nothing_acts(estimate, unworn)
     found = exoid.interaction(doubtful, unworn)
     assert found.worn is None
     assert found.to_json()["worn"] is None
-    assert "the estimate cannot tell" in str(found)
+    assert "before it can be told" in str(found)
     (finding,) = of_kind(found, "rough-estimate")
     assert finding.severity == "error"
     assert "torque-sign" in finding.message
     pushed = dataclasses.replace(unworn, tau=unworn.tau - 5.0 * np.sin(3.0 * unworn.time)[:, None])
     assert exoid.interaction(doubtful, pushed).worn
+    stuck = dataclasses.replace(unworn, tau=np.where(unworn.time[:, None] > 15.0, unworn.tau[1500], unworn.tau))
+    assert exoid.interaction(estimate, stuck).worn is None  # the log has an error
 
 
 def test_another_leg(leg, estimate):
