@@ -1,7 +1,10 @@
-"""Loads strapped on, on machines that are not in the package: error, coverage, delay and names; and quiet minutes.
+"""Loads strapped on and sensors that fail, on machines that are not in the package; and quiet minutes.
 
     python scripts/study_loads.py load                    # 1 to 3 kg on the shank behind 40 s of motion
     python scripts/study_loads.py learning                # the same behind 12 to 20 s, while the estimate still learns
+    python scripts/study_loads.py torque-scale            # a torque grows or shrinks by a fifth behind 40 s of motion
+    python scripts/study_loads.py angle-offset            # the zero of an angle jumps by 1 to 3 degrees
+    python scripts/study_loads.py torque-delay            # one torque, or all by turns, come 10 to 50 ms later
     python scripts/study_loads.py quiet --minutes 2       # motion of so many minutes for each machine, without a load
 
 Machines are drawn by seed: a leg of three joints, one of two, and one with abduction. Their motion is a sum of three
@@ -25,6 +28,7 @@ from exoid.online import RecursiveEstimator, load_change
 RATE = 100.0
 TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
 STRIDES = (0.5, 0.507, 1.2, 4.0, 10.0, 12.0)  # 0.5 s are exactly 50 samples, each stride the same ones
+FAULTS = ("torque-scale", "angle-offset", "torque-delay")
 PLACE = (0.0, 0.0, -0.2)
 """Place of the load in the frame of the knee [m]."""
 
@@ -131,6 +135,43 @@ def strap_on(seed: int, stride: float, machine: str, *, learning: bool = False) 
     return Found(found.mass - mass, found.std, named(online), delay, warned)
 
 
+class Spoilt(NamedTuple):
+    """What was said some time after a sensor failed."""
+
+    right: tuple[str, ...]  # the change that should be named
+    names: tuple[str, ...]  # changes that were named
+    before: float  # worst error of a parameter of the leg before it, in standard deviations
+    after: float  # and at the end
+    warned: bool  # whether a finding warns
+
+
+def spoil(seed: int, stride: float, machine: str, fault: str) -> Spoilt:
+    """Let the sensor of a joint fail behind 40 s of motion, and go on for two strides or 30 s, whichever is longer."""
+    walker, begin = Walker.of(seed, stride, machine), round(40.0 * RATE)
+    joint, sign = int(walker.rng.integers(len(walker.friction))), walker.rng.choice([-1.0, 1.0])
+    joints = slice(None) if fault == "torque-delay" and seed % 2 else slice(joint, joint + 1)
+    size, late = sign * np.deg2rad(walker.rng.uniform(1.0, 3.0)), int(walker.rng.integers(1, 6))
+    q, tau = walker.walk(40.0 + max(30.0, 2.0 * stride))
+    if fault == "torque-scale":
+        tau[begin:, joints] *= 1.0 + 0.2 * sign
+    elif fault == "angle-offset":
+        q[begin:, joints] += size
+    else:
+        tau[begin:, joints] = tau[begin - late : -late, joints]
+    online, errors = RecursiveEstimator(walker.leg, TERMS, rate=RATE), []
+    for part in (slice(begin), slice(begin, None)):
+        update(online, (q[part], tau[part]))
+        try:
+            estimate, count = online.estimate, len(walker.leg.parameters)
+            error = (estimate.values[:count] - walker.leg.parameters) / estimate.std[:count]
+            errors.append(float(np.abs(error).max()))
+        except NotIdentifiableError:
+            errors.append(np.nan)
+    right = (f"{fault} at {walker.leg.joint_names[joint] if joints.stop else ''}",)
+    warned = any(one.severity == "warning" for one in online.findings)
+    return Spoilt(right, named(online), errors[0], errors[1], warned)
+
+
 def update(online: RecursiveEstimator, samples: tuple[FloatArray, FloatArray]) -> None:
     """Take angles and torques in."""
     online.update(samples[0], None, None, samples[1])
@@ -158,10 +199,23 @@ def summary(every: list[Found]) -> str:
     )
 
 
+def summary_of_faults(every: list[Spoilt]) -> str:
+    """Write one line."""
+    right = sum(one.names == one.right for one in every)
+    silent = [one for one in every if not one.names and not one.warned]
+    wrong = sorted({name for one in every if one.names != one.right for name in one.names})
+    before, after = (np.nan_to_num([getattr(one, name) for one in every]) for name in ("before", "after"))
+    lies = sum(one.after > max(5.0, 1.5 * one.before) and not one.warned for one in every)
+    return (
+        f"named {right:2} of {len(every)}, not noticed {len(silent)}, wrongly {', '.join(wrong) or 'none'}; "
+        f"worst error {max(before):.1f} std before and {max(after):.1f} after, wrong in silence {lies}"
+    )
+
+
 def main() -> None:
     """Read the command line, and print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=("load", "learning", "quiet"))
+    parser.add_argument("study", choices=("load", "learning", *FAULTS, "quiet"))
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--first", type=int, default=1000, help="first seed")
     parser.add_argument("--minutes", type=float, default=2.0)
@@ -177,6 +231,10 @@ def main() -> None:
                     update(online, walker.walk(60.0 * given.minutes))
                     alarms += named(online)
                 print(f"{machine:13} {stride:4g} s: {', '.join(alarms) or 'none'}", flush=True)
+                continue
+            if given.study in FAULTS:
+                spoilt = [spoil(seed, stride, machine, given.study) for seed in seeds]
+                print(f"{machine:13} {stride:4g} s: {summary_of_faults(spoilt)}", flush=True)
                 continue
             every = [strap_on(seed, stride, machine, learning=given.study == "learning") for seed in seeds]
             print(f"{machine:13} {stride:4g} s: {summary(every)}", flush=True)

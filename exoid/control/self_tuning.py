@@ -105,7 +105,7 @@ class SelfTuning:
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
         """Estimate of what the recursive estimator of one leg knows, without the prior."""
-        return estimate_of(self.settings, memory.online[leg], ())
+        return estimate_of(self.settings, memory.online[leg])
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
         """Complete the previous sample by the torque that was held behind it; a complete block goes on."""

@@ -8,10 +8,11 @@ from exoid._typing import FloatArray
 from exoid.regression.least_squares import RANK
 
 from .changes import Verdict, judge, look
+from .hypotheses import SENSOR_FAULTS
 from .information import absorb
-from .rows import Rows, rows_of
+from .rows import Rows, faults_of, rows_of
 from .settings import Settings
-from .solution import belief, follow_residuals, inflations, solved
+from .solution import belief, follow_residuals, solved
 from .state import REMEMBERED, Change, Detector, Information, State
 
 SETTLED = 20.0
@@ -28,13 +29,12 @@ def advance(settings: Settings, state: State, samples: FloatArray) -> State:
     # angles, and a where it follows from the velocities.
     rows, state = rows_of(settings, state, samples)
     state = state._replace(samples=state.samples + len(samples))
-    suspected = state.detector.crossing >= 0
+    if state.detector.crossing >= 0:
+        return _suspect(settings, state, rows) if rows.used.any() else state
     if not rows.used.any():
-        return state if suspected else _with_residuals(settings, state, rows)
-    if suspected:
-        return _suspect(settings, state, rows)
+        return _with_residuals(settings, state, rows)
     known = np.isfinite(state.std[0]) and state.information.rows.sum() > SETTLED * settings.count
-    if known and settings.detection.on:
+    if known and np.isfinite(settings.detection.limits).all():
         detector = look(settings, state, rows)
         state = state._replace(detector=detector, sharpest=np.maximum(state.sharpest, detector.weights))
         if detector.crossing >= 0:  # the estimate holds; the oldest checkpoint is what was known before the change
@@ -59,8 +59,12 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
     detector = state.detector._replace(crossing=state.detector.crossing + 1)
     since = detector.crossing * settings.block_time
     if since > 2.0 * settings.delay:  # rows behind the filters are of one leg alone
-        number = np.append(rows.used.sum(axis=0), 0)
-        detector = detector._replace(collected=_joined(detector.collected, rows.table, number))
+        number, (R, before) = np.append(rows.used.sum(axis=0), 0), detector.collected
+        if since > PROBATION:  # a fault of a sensor lasts; old rows fade, so that its end is noticed
+            share = settings.block_time / PROBATION
+            R, before = R * np.sqrt(1.0 - share), before * (1.0 - share)
+        table = np.concatenate([rows.table, faults_of(settings, rows, detector.values)], axis=2)
+        detector = detector._replace(collected=_joined(Information(R, before), table, number))
     state = state._replace(detector=detector)
     if since <= DECISION + settings.delay:
         return state
@@ -72,20 +76,20 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
         return state._replace(detector=emptied._replace(crossing=0, candidates=every))
     if verdict.best < 0:  # whatever it was, it is over: the change is taken back
         held = state.checkpoints[-1] if detector.candidates else state.information
-        changes = state.changes[: len(state.changes) - (detector.named >= 0)]
-        state = state._replace(changes=changes, weights=detector.weights)
+        wrong = detector.named >= 0 and since <= PROBATION  # later, a fault of a sensor was mended
+        state = state._replace(changes=state.changes[: len(state.changes) - wrong], weights=detector.weights)
         return _settle(solved(settings, state, _joined(held, detector.collected.R[:-1], detector.collected.rows)))
-    basis = np.eye(settings.count)
+    basis, possible = np.eye(settings.count), [settings.detection.hypotheses[k] for k in verdict.candidates]
+    faulty = any(one.kind in SENSOR_FAULTS for one in possible)  # the rows may then be wrong
     if verdict.complete:  # all that the candidates may change
-        bases = [settings.detection.hypotheses[k].basis for k in verdict.candidates]
-        U, sizes, _ = np.linalg.svd(np.hstack(bases), full_matrices=False)
-        basis = U[:, sizes > RANK * sizes[0]]
-    state = _given_up(settings, state, basis)
+        U, sizes, _ = np.linalg.svd(np.hstack([one.basis[: settings.count] for one in possible]), full_matrices=False)
+        basis = U[:, sizes > RANK * max(sizes[0], RANK)]
+    state = _given_up(settings, state, basis, learn=not faulty)
     over = since > PROBATION
     if verdict.best != detector.named and (over or len(verdict.candidates) == 1):
         state = _named(settings, state, verdict)
     state = state._replace(detector=state.detector._replace(candidates=verdict.candidates))
-    return _settle(state) if over else state
+    return _settle(state) if over and not faulty else state
 
 
 def _named(settings: Settings, state: State, verdict: Verdict) -> State:
@@ -97,7 +101,8 @@ def _named(settings: Settings, state: State, verdict: Verdict) -> State:
         kind=one.kind,
         joint=one.joint,
         parameters=one.parameters,
-        statistic=float(verdict.ratios[verdict.best]),
+        statistic=verdict.ratio,
+        size=verdict.size,
         values=tuple(detector.values.tolist()),
     )
     earlier = state.changes[: len(state.changes) - (detector.named >= 0)]
@@ -106,26 +111,25 @@ def _named(settings: Settings, state: State, verdict: Verdict) -> State:
 
 def _settle(state: State) -> State:
     """End a suspicion; the mean of the statistics stays that of this motion."""
-    detector = _emptied(state.detector)
-    score, energy = np.zeros_like(detector.score), np.zeros_like(detector.energy)
-    detector = detector._replace(score=score, energy=energy, crossing=-1)
+    detector = _emptied(state.detector)._replace(crossing=-1)
     return state._replace(detector=detector, checkpoints=(state.information,) * 3)
 
 
 def _emptied(detector: Detector) -> Detector:
-    """Forget the rows since the suspicion, and what they said."""
-    nothing = Information(*(np.zeros_like(x) for x in detector.collected))
-    return detector._replace(collected=nothing, named=-1, candidates=())
+    """Forget innovations, the rows since the suspicion, and what they said."""
+    collected = Information(*(np.zeros_like(x) for x in detector.collected))
+    score, energy = np.zeros_like(detector.score), np.zeros_like(detector.energy)
+    return detector._replace(score=score, energy=energy, collected=collected, named=-1, candidates=())
 
 
 def _joined(information: Information, table: FloatArray, number: FloatArray) -> Information:
-    """Take rows of each joint in without forgetting."""
+    """Take rows of each joint in without forgetting; columns of faults only where the information has them."""
     R = information.R.copy()
-    R[:-1] = np.linalg.qr(np.concatenate([R[:-1], table], axis=1), mode="r")
+    R[:-1] = np.linalg.qr(np.concatenate([R[:-1], table[..., : R.shape[2]]], axis=1), mode="r")
     return Information(R, information.rows + number)
 
 
-def _given_up(settings: Settings, state: State, basis: FloatArray) -> State:
+def _given_up(settings: Settings, state: State, basis: FloatArray, *, learn: bool = True) -> State:
     """Go on from the oldest checkpoint without what was known of some parameters, and with the rows since."""
     # In coordinates β = B b + C c, an R factor with b first has the information on c alone in its last rows,
     # and one with b last that on b alone.
@@ -141,7 +145,7 @@ def _given_up(settings: Settings, state: State, basis: FloatArray) -> State:
     loose = 1e-5 * np.hstack([alone[:, count - freedom : -1] @ basis.T, alone[:, -1:]])
     freed, samples = np.zeros_like(state.information.R), np.zeros_like(state.information.rows)
     freed[-1] = np.linalg.qr(np.vstack([kept, loose, np.zeros((1, count + 1))]), mode="r")
-    known = state.information.rows
-    samples[-1] = (known[:-1] / inflations(settings, state.correlation)).sum() + known[-1]
-    collected = state.detector.collected
-    return solved(settings, state, _joined(Information(freed, samples), collected.R[:-1], collected.rows))
+    rows = state.information.rows
+    samples[-1] = (rows[:-1] / state.correlation.inflation).sum() + rows[-1]
+    known, collected = Information(freed, samples), state.detector.collected
+    return solved(settings, state, _joined(known, collected.R[:-1], collected.rows) if learn else known)

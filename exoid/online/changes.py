@@ -12,9 +12,9 @@ errors of the model that repeat in this motion. The threshold follows from the r
 Values that are known with a covariance P only predict a block with the covariance S = 1 + W P Wᵀ. Its rows are whitened
 by S, so that a leg that is still being learned raises no mean and no alarm.
 
-Friction in one direction of motion looks like a load, and a load at rest like an offset. So once a statistic crossed
-its threshold, rows are collected, and hypotheses are compared on these. Those
-that are not clearly worse than the best are candidates.
+Once a statistic crossed its threshold, rows are collected, and hypotheses are compared on these, with faults of sensors
+among them: F holds what they add to an innovation for each unit, as an angle that reads more, e = F b. Hypotheses that
+are not clearly worse than the best are candidates.
 """
 
 from __future__ import annotations
@@ -24,12 +24,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
-
-from .hypotheses import ratios_of
+from .hypotheses import SENSOR_FAULTS, ratios_of
 from .rows import Rows
 from .settings import Settings
-from .solution import inflations, root_of
+from .solution import root_of
 from .state import WARM_UP, Detector, State
 
 WINDOW = 1.0
@@ -45,7 +43,7 @@ this part of what changed: what the low-pass bends and the encoder rounds grows 
 
 def look(settings: Settings, state: State, rows: Rows) -> Detector:
     """Look at the innovations of a block while nothing is suspected."""
-    before, detection, inflation = state.detector, settings.detection, inflations(settings, state.correlation)
+    before, detection, inflation = state.detector, settings.detection, state.correlation.inflation
     discount = math.exp(-settings.block_time / WINDOW)
     part = max(settings.block_time / (10.0 * WINDOW), 1.0 / (1.0 + before.settled))  # weights follow within ten windows
     followed = before.weights + min(1.0, part) * (state.weights - before.weights)
@@ -75,8 +73,9 @@ def look(settings: Settings, state: State, rows: Rows) -> Detector:
 class Verdict(NamedTuple):
     """What the rows since a suspicion say."""
 
-    ratios: FloatArray  # statistic of each hypothesis over its threshold, (C,)
     best: int  # hypothesis that explains most, among those above their threshold; −1 for none
+    ratio: float  # its statistic over its threshold
+    size: float  # its most likely size if it is a fault of a sensor; NaN for others
     candidates: tuple[int, ...]  # hypotheses above their threshold that are not clearly worse
     complete: bool  # whether the candidates explain the rows as well as all parameters together
     torn: bool  # whether no parameters explain the rows, which are then of several changes
@@ -84,26 +83,33 @@ class Verdict(NamedTuple):
 
 def judge(settings: Settings, state: State) -> Verdict:
     """Compare the hypotheses on the rows since a suspicion."""
-    detection, detector, inflation = settings.detection, state.detector, inflations(settings, state.correlation)
+    detection, detector, inflation = settings.detection, state.detector, state.correlation.inflation
+    hypotheses = detection.hypotheses
+    faults = [k for k, one in enumerate(hypotheses) if one.kind in SENSOR_FAULTS]
     collected, precision = detector.collected, detector.weights / np.sqrt(inflation)
-    table = (collected.R[:-1] * precision[:, None, None]).reshape(-1, collected.R.shape[2])
-    W, e = table[:, :-1], table[:, -1] - table[:, :-1] @ detector.values
+    table, count = (collected.R[:-1] * precision[:, None, None]).reshape(-1, collected.R.shape[2]), settings.count
+    W, e = np.delete(table, count, axis=1), table[:, count] - table[:, :count] @ detector.values
     score, energy, independent = W.T @ e, W.T @ W, float((collected.rows[:-1] / inflation).sum())
-    moving = np.flatnonzero(np.diag(energy) > 0.0)
-    everything = float(ratios_of(score[None, moving], energy[None][:, moving][:, :, moving])[0])
+    moving = np.flatnonzero(np.diag(energy)[:count] > 0.0)
+    # What all parameters explain together with the fault that fits best
+    bases = np.array([np.hstack([np.eye(len(W.T))[:, moving], hypotheses[k].basis]) for k in faults])
+    everything = float(ratios_of(score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)).max())
     before = state._replace(weights=detector.weights, information=state.checkpoints[-1])
     # (1 + E P)⁻¹ s and (1 + E P)⁻¹ E with the covariance P = L Lᵀ of what was known before
-    L = root_of(settings, before)
+    L = np.zeros((len(energy), count))
+    L[:count] = root_of(settings, before)
     EL = energy @ L
-    lost = np.linalg.solve(np.eye(len(L)) + L.T @ EL, EL.T).T
+    lost = np.linalg.solve(np.eye(count) + L.T @ EL, EL.T).T
     score, energy = score - lost @ (L.T @ score), energy - lost @ EL.T
     statistics = detection.statistics(score, energy)
     explained = float(ratios_of(score[None, moving], energy[None][:, moving][:, :, moving])[0])
     changed = float(e @ e)
     left = max(changed - everything, 0.0) / max(independent - len(moving), 1.0)
     # An F statistic, times what errors of the model raise it by in this motion
-    unit = max(1.0, left) * float(detector.mean.mean())
-    ratios = statistics / (detector.mean * detection.limits)
+    mean = detector.mean.copy()
+    mean[faults] = np.delete(mean, faults).mean()  # while nothing is suspected they are not looked at
+    unit = max(1.0, left) * float(mean.mean())
+    ratios = statistics / (mean * detection.limits)
     # A further parameter has to bring five times the mean statistic
     worth = np.where(ratios > 1.0, (statistics - 5.0 * unit) * detection.dimensions, -np.inf)
     best = int(np.argmax(worth)) if (ratios > 1.0).any() else -1
@@ -111,4 +117,7 @@ def judge(settings: Settings, state: State) -> Verdict:
     lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
     complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
     torn = left > TORN and changed - everything > BENT * changed and independent > 2.0 * len(moving)
-    return Verdict(ratios, best, candidates, complete, torn)
+    size, column = math.nan, hypotheses[best].basis[:, 0]
+    if best in faults:
+        size = float(score @ column / (column @ energy @ column))
+    return Verdict(best, float(ratios[best]), size, candidates, complete, torn)

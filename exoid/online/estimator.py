@@ -72,7 +72,7 @@ class RecursiveEstimator:
             cutoff=cutoff,
             memory=memory,
             reversal_speed=reversal_speed,
-            torque_limits=torque_limits,
+            torque_limits=() if torque_limits is None else tuple(np.ravel(torque_limits).tolist()),
             false_alarms=false_alarms,
         )
         self.settings = settings
@@ -82,11 +82,6 @@ class RecursiveEstimator:
     def __repr__(self) -> str:
         """Name the leg and the number of samples."""
         return f"RecursiveEstimator({self.settings.model.leg.description.name!r}, {self._stream.received} samples)"
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters, (P,)."""
-        return self.settings.model.names
 
     @property
     def delay(self) -> float:
@@ -140,9 +135,8 @@ class RecursiveEstimator:
         table = np.hstack([of_q, *(as_table(x, name, n, count) for x, name in ((v, "v"), (a, "a"), (tau, "tau")))])
         stamps = np.full(count, math.nan) if time is None else np.atleast_1d(np.asarray(time, dtype=np.float64))
         if stamps.shape != (count,):
-            raise BadArgumentError(
-                f"time of shape {stamps.shape} for {count} samples", remedy="pass one stamp a sample"
-            )
+            what = f"time of shape {stamps.shape} for {count} samples"
+            raise BadArgumentError(what, remedy="pass one stamp a sample")
         for sample, stamp in zip(table.tolist(), stamps.tolist(), strict=True):
             self._take(tuple(sample), stamp)
 
@@ -154,7 +148,7 @@ class RecursiveEstimator:
             ExoidError: The samples so far do not determine every parameter: names them.
         """
         state = self.state
-        found = estimate_of(self.settings, state, ())
+        found = estimate_of(self.settings, state)
         return replace(found, findings=ordered([*self.findings, *doubts_of(found, state)]))
 
     @property

@@ -10,6 +10,7 @@ from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, Severity, ordered
 from exoid.identification.findings.physics import impossible_leg
 
+from .hypotheses import SENSOR_FAULTS
 from .settings import Settings
 from .state import State
 from .stream import FAULTS, Stream
@@ -26,6 +27,8 @@ PACE = 0.01
 POOR, PERSISTENT = 0.5, 0.15
 """Share of a joint's torque that no estimate should leave unexplained; where residuals last longer than noise does."""
 
+HELD = "mend the sensor, or begin anew with this estimate as start=: it holds what was known before, and learns nothing"
+OVER = "it is over, and what was known before is known again"
 GIVEN_UP = "values before it are in changes; what was known of these parameters was given up"
 WAIT = "move all joints, both ways; until then what was known of all of these parameters is given up"
 LOOK = "look for what no parameter explains: contact, slip of a sensor, a person who pushes; begin anew without it"
@@ -37,30 +40,28 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
     hypotheses, mean = settings.detection.hypotheses, state.detector.mean
 
     def say(kind: str, joint: str, size: float, text: str, remedy: str, names: tuple[str, ...] = ()) -> None:
-        level: Severity = "info" if remedy == GIVEN_UP else "warning"
+        level: Severity = "info" if remedy in (GIVEN_UP, OVER) else "warning"
         found.append(Finding(kind, joint, size, "", level, text, remedy, parameters=names))
 
     for change in state.changes:
-        text = f"{', '.join(change.parameters)} changed at {change.time:.2f} s"
-        say(f"changed-{change.kind}", change.joint, change.statistic, text, GIVEN_UP, change.parameters)
+        lasts = change is state.changes[-1] and state.detector.named >= 0
+        size, remedy = change.statistic, GIVEN_UP
+        if change.kind in SENSOR_FAULTS:
+            size, remedy = change.size, HELD if lasts else OVER
+        say(f"changed-{change.kind}", change.joint, size, str(change), remedy, change.parameters)
     possible = [hypotheses[k] for k in state.detector.candidates]
     names = tuple(dict.fromkeys(name for one in possible for name in one.parameters))
     if len(possible) == len(hypotheses):
         text = "torques that no single change explains: all that was known is given up until they are over"
         say("change-unexplained", "", 1.0, text, LOOK, names)
     elif len(possible) > 1:
-        text = " or ".join(f"{one.kind} at {one.joint}" for one in possible)
+        text = " or ".join(f"{one.kind} at {one.joint or 'all joints'}" for one in possible)
         text = f"something changed, and the motion does not yet tell {text} apart"
         say("change-ambiguous", "", 1.0, text, WAIT, names)
     for joint, now, best in zip(settings.model.joint_names, state.weights, state.sharpest, strict=True):
         if best > FALLEN * now:
-            say(
-                "residuals-grew",
-                joint,
-                best / now,
-                f"residuals of {joint} are {best / now:.3g} times what they were",
-                LOOK,
-            )
+            text = f"residuals of {joint} are {best / now:.3g} times what they were"
+            say("residuals-grew", joint, best / now, text, LOOK)
     for k in np.flatnonzero(mean > CONTRADICTED):
         one, size = hypotheses[k], float(mean[k])
         text = f"torques contradict {', '.join(one.parameters)}: errors are {size**0.5:.3g} times the intervals'"
@@ -90,9 +91,8 @@ def doubts_of(estimate: Estimate, state: State) -> Iterator[Finding]:
     sums = state.correlation.sums
     lasts = sums[6] > 0.5 * sums[0]  # rows one period of the cut-off apart, where noise is no longer alike
     shares = np.divide(estimate.residual_rms, torque, out=np.zeros_like(torque), where=torque > 0.0)
-    for joint, share, limit in zip(
-        estimate.joint_names, shares.tolist(), np.where(lasts, PERSISTENT, POOR), strict=True
-    ):
+    limits = np.where(lasts, PERSISTENT, POOR)
+    for joint, share, limit in zip(estimate.joint_names, shares.tolist(), limits, strict=True):
         if share > limit:
             text = f"the model leaves {share:.0%} of the torque unexplained"
             remedy = "look for swapped or late channels, wrong signs and units (exoid check with a log of this stream)"

@@ -15,26 +15,29 @@ from exoid.torques import Armature, Offset, Stiffness, Term, TorqueModel
 KINDS: dict[type[Term], str] = {Offset: "offset", Armature: "inertia", Stiffness: "stiffness"}
 """Kinds of changes of terms that are no friction."""
 
+SENSOR_FAULTS = {"torque-scale": "", "angle-offset": " rad", "torque-delay": " s"}
+"""Units of the faults of each joint's sensors, in the order of their columns behind those of the parameters."""
+
 
 class Hypothesis(NamedTuple):
     """Parameters that change together, such as those of a payload."""
 
     kind: str  # as in `Change`
     joint: str  # joint of the term, or the joint that carries the segment
-    basis: FloatArray  # orthonormal basis of the changes, (P, d)
-    parameters: tuple[str, ...]  # names of the parameters
+    basis: FloatArray  # basis of the changes, orthonormal for parameters; columns of faults behind them, (P + 3 n, d)
+    parameters: tuple[str, ...]  # names of the parameters; none for a fault
 
 
 def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
-    """List what may change in a leg: friction of each joint, load of each segment, each other term at each joint."""
-    leg, names = model.leg, model.names
+    """List what may change: friction of each joint, load of each segment, other terms and the sensors of each joint."""
+    leg, names, n = model.leg, model.names, len(model.leg.joint_names)
     found: dict[tuple[str, str], list[str]] = {}
     for block in model.blocks:
         kind = "friction" if block.term.friction else KINDS.get(type(block.term), type(block.term).__name__.lower())
         kept = [name for name in block.names if name in names]
         if kept:
             found.setdefault((kind, leg.joint_names[block.joints[0]]), []).extend(kept)
-    columns = np.eye(len(names))
+    columns = np.eye(len(names) + len(SENSOR_FAULTS) * n)
     hypotheses = [
         Hypothesis(kind, joint, columns[:, [names.index(name) for name in of_kind]], tuple(of_kind))
         for (kind, joint), of_kind in found.items()
@@ -42,11 +45,14 @@ def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
     for k, joint in enumerate(leg.joint_names):
         added = leg.reduction.collect[:, 10 * k : 10 * k + 10]
         U, sizes, _ = np.linalg.svd(added, full_matrices=False)
-        basis = np.zeros((len(names), int(np.count_nonzero(sizes > RANK * sizes[0]))))
-        basis[: len(added)] = U[:, : basis.shape[1]]
-        moved = np.abs(basis).max(axis=1) > RANK
-        parameters = tuple(name for name, is_moved in zip(names, moved, strict=True) if is_moved)
+        basis = columns[:, : len(added)] @ U[:, sizes > RANK * sizes[0]]
+        parameters = tuple(name for name, row in zip(names, basis, strict=False) if np.abs(row).max() > RANK)
         hypotheses.append(Hypothesis("load", joint, basis, parameters))
+    faults = columns[:, len(names) :]
+    for k, kind in enumerate(SENSOR_FAULTS):
+        hypotheses += [Hypothesis(kind, joint, faults[:, [k * n + j]], ()) for j, joint in enumerate(leg.joint_names)]
+    if n > 1:  # all torques late, as of one bus
+        hypotheses.append(Hypothesis("torque-delay", "", faults[:, -n:].sum(axis=1, keepdims=True), ()))
     return tuple(hypotheses)
 
 
@@ -66,21 +72,17 @@ class Detection(NamedTuple):
         dimensions = np.array([one.basis.shape[1] for one in hypotheses])
         places = [np.flatnonzero(dimensions == d) for d in np.unique(dimensions)]
         bases = tuple((of_one, np.array([hypotheses[k].basis for k in of_one])) for of_one in places)
-        limits = np.full(len(hypotheses), np.inf)
-        if rare > 0.0:
-            limits = np.asarray(scipy.stats.f.isf(rare / len(hypotheses), dimensions, 20.0), dtype=np.float64)  # ν ≥ 20
+        # Faults of sensors are looked at only behind an alarm of the others
+        looked_at = sum(one.kind not in SENSOR_FAULTS for one in hypotheses)
+        limits = np.asarray(scipy.stats.f.isf(rare / looked_at, dimensions, 20.0), dtype=np.float64)  # ν ≥ 20
         return cls(hypotheses, limits, dimensions, bases)
-
-    @property
-    def on(self) -> bool:
-        """Whether changes are detected."""
-        return bool(np.isfinite(self.limits).all())
 
     def statistics(self, score: FloatArray, energy: FloatArray) -> FloatArray:
         """Likelihood ratio of each hypothesis over its dimension, (C,)."""
         found = np.zeros(len(self.hypotheses))
         for places, bases in self.bases:
-            found[places] = ratios_of(score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)) / bases.shape[2]
+            used = bases[:, : len(score)]  # without columns of faults these have no energy
+            found[places] = ratios_of(score @ used, used.transpose(0, 2, 1) @ (energy @ used)) / used.shape[2]
         return found
 
 

@@ -7,11 +7,10 @@ Information A = Rᵀ R is never formed. New rows Φ with torques y, and forgetti
 which solves the same least-squares problem as all rows at once (G. J. Bierman, Factorization Methods for Discrete
 Sequential Estimation, 1977).
 
-Forgetting everything loses what is not excited, and the estimate then follows noise: windup. Directional forgetting
-(R. Kulhavý, M. Kárný, 9th IFAC World Congress, 1984; S. Bittanti, P. Bolzern, M. Campi, Automatica 26, 1990) forgets
-only in directions that the new rows excite. In coordinates x = R β the information is the unit matrix, and that of the
-rows is Gᵀ G with G = Φ R⁻¹ = U S Vᵀ. The factor I − (1 − √(1 − μ_i)) v_i v_iᵀ takes the share μ_i of direction v_i away
-from R and z alike, which does not move the estimate. Here
+Directional forgetting (R. Kulhavý, M. Kárný, 9th IFAC World Congress, 1984; S. Bittanti, P. Bolzern, M. Campi,
+Automatica 26, 1990) forgets only in directions that the new rows excite. In coordinates x = R β the information is the
+unit matrix, and that of the rows is Gᵀ G with G = Φ R⁻¹ = U S Vᵀ. The factor I − (1 − √(1 − μ_i)) v_i v_iᵀ takes the
+share μ_i of direction v_i away from R and z alike, which does not move the estimate. Here
 
     μ_i = 1 − λ  where s_i² ≥ ε (1 − λ),   otherwise min(1 − λ, s_i²):
 
@@ -37,7 +36,7 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
     """Forget as the settings say, and take rows in."""
     table, counts = rows.table, rows.used.sum(axis=0)
     R, number = information
-    if settings.forgets:
+    if settings.memory < np.inf:  # else nothing is forgotten
         share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
         R, number = R.copy(), number.copy()
         for slot in np.flatnonzero((share > 0.0) & (number[:-1] > 0.0)):
@@ -66,18 +65,6 @@ def _without_rounding(R: FloatArray) -> FloatArray:
 
 def _forgotten(R: FloatArray, table: FloatArray, share: float) -> FloatArray:
     """One R factor of which a share is forgotten in the directions that rows excite."""
-    gains, V = _directions(R, table)
-    # ε: a direction is excited if its gain is this part of what balances forgetting
-    lost = np.where(gains >= 0.05 * share, share, np.minimum(share, gains))
-    kept = 1.0 - np.sqrt(1.0 - lost)
-    changed = R.copy()
-    changed[:-1] -= V.T @ (kept[:, None] * (V @ R[:-1]))
-    changed[-1] *= np.sqrt(1.0 - share)
-    return changed
-
-
-def _directions(R: FloatArray, table: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Gain s_i² of each direction that rows excite, over the information there, and the direction v_i, (r,), (r, P)."""
     root, rows = R[:-1, :-1], table[:, :-1]
     size = np.sqrt((root**2).sum(axis=0) + (rows**2).sum(axis=0))
     size[size == 0.0] = 1.0
@@ -87,4 +74,9 @@ def _directions(R: FloatArray, table: FloatArray) -> tuple[FloatArray, FloatArra
     G = np.linalg.solve(regular.T, (rows / size).T).T
     G[np.abs(G * np.diag(regular)) <= ROUNDING * np.abs(rows / size)] = 0.0
     _, s, V = np.linalg.svd(G, full_matrices=False)
-    return s**2, V
+    # ε: a direction is excited if its gain is this part of what balances forgetting
+    lost = np.where(s**2 >= 0.05 * share, share, np.minimum(share, s**2))
+    changed = R.copy()
+    changed[:-1] -= V.T @ ((1.0 - np.sqrt(1.0 - lost))[:, None] * (V @ R[:-1]))
+    changed[-1] *= np.sqrt(1.0 - share)
+    return changed

@@ -10,9 +10,10 @@ import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg_data import refuse_floating_base
+from exoid.tools.numbers import checked
 from exoid.torques import DryFriction, TorqueModel
 
 from .hypotheses import Detection
@@ -33,7 +34,7 @@ class Settings:
     cutoff: float | None = 8.0
     memory: float = 20.0
     reversal_speed: float = 0.1
-    torque_limits: ArrayLike | None = None
+    torque_limits: tuple[float, ...] = ()  # of each joint [N·m]; empty for none
     false_alarms: float = 0.1
     flat: bool = True  # whether the first filter keeps harmonics; a Gaussian lets less noise into the accelerations
 
@@ -47,17 +48,13 @@ class Settings:
                     f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
                     remedy="use Coulomb and Viscous friction without presliding online",
                 )
-        for name in ("rate", "memory"):
-            if not 0.0 < getattr(self, name) < math.inf and not (name == "memory" and self.memory == math.inf):
-                raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass a positive number, in Hz or s")
-        for name in ("reversal_speed", "false_alarms"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise BadArgumentError(f"{name}={getattr(self, name)}", remedy="pass zero or a positive number")
-        limits = np.asarray(np.full(self.n, math.inf) if self.torque_limits is None else self.torque_limits, np.float64)
-        if limits.shape != (self.n,) or not (limits > 0.0).all():
-            what = f"torque limits of shape {limits.shape} for {self.n} joints, or not positive"
+        checked(self.rate, "the rate in Hz", above=0.0, ndim=0)
+        checked(self.memory, "the memory in s", above=0.0, infinite=True, ndim=0)
+        checked([self.reversal_speed, self.false_alarms], "the reversal speed or rate of false alarms", least=0.0)
+        checked(self.torque_limits, "the torque limits in N·m", above=0.0, infinite=True)
+        if len(self.torque_limits) not in (0, self.n):
+            what = f"{len(self.torque_limits)} torque limits for {self.n} joints"
             raise BadArgumentError(what, remedy="pass one number in N·m for each joint")
-        object.__setattr__(self, "torque_limits", limits)
         if self.cutoff is not None:
             _ = self.kernels  # refuses a cut-off that the rate cannot carry
 
@@ -81,17 +78,6 @@ class Settings:
         """Samples of a block: five rows behind the filter, or 64 samples without one."""
         return 64 if self.cutoff is None else 5 * self.stride
 
-    @cached_property
-    def limits(self) -> tuple[float, ...] | None:
-        """Largest torque of each joint [N·m], (n,); None for none."""
-        limits = np.asarray(self.torque_limits)
-        return None if np.isinf(limits).all() else tuple(limits.tolist())
-
-    @property
-    def forgets(self) -> bool:
-        """Whether old rows are forgotten, and changes detected: both follow a leg that changes."""
-        return self.memory < math.inf
-
     @property
     def row_time(self) -> float:
         """Time from one row to the next [s]."""
@@ -109,12 +95,12 @@ class Settings:
         assert self.cutoff is not None
         widest = self.rate / (1.25 * _width(flat=self.flat))
         first = kernels(self.rate, min(2.0 * self.cutoff, widest), flat=self.flat)
-        return first, kernels(self.rate, self.cutoff)[0]
+        return first, kernels(self.rate, self.cutoff)[:2]
 
     @cached_property
     def histories(self) -> tuple[int, int]:
         """Samples that each filter keeps."""
-        return (0, 0) if self.cutoff is None else (self.kernels[0].shape[1] - 1, len(self.kernels[1]) - 1)
+        return (0, 0) if self.cutoff is None else (self.kernels[0].shape[1] - 1, self.kernels[1].shape[1] - 1)
 
     @property
     def delay(self) -> float:
@@ -128,15 +114,17 @@ class Settings:
 
     @cached_property
     def decimating(self) -> FloatArray:
-        """Matrix of the second filter at every row, (m, history + k)."""
-        return _sliding(self.kernels[1], range(self.stride - 1, self.block, self.stride))
+        """Matrices of value and derivative by the second filter at every row, (2, m, history + k)."""
+        return np.array(
+            [_sliding(weights, range(self.stride - 1, self.block, self.stride)) for weights in self.kernels[1]]
+        )
 
     @cached_property
     def filter_inflation(self) -> float:
         """Rows that say as much as one independent row of white noise behind both filters."""
         if self.cutoff is None:
             return 1.0
-        response = np.convolve(self.kernels[0][0], self.kernels[1])
+        response = np.convolve(self.kernels[0][0], self.kernels[1][0])
         every = scipy.signal.correlate(response, response)[len(response) - 1 :: self.stride]
         return float(1.0 + 2.0 * (every[1:] / every[0]).sum())
 
@@ -149,16 +137,13 @@ class Settings:
     @cached_property
     def sticking(self) -> NDArray[np.bool_]:
         """Joints with dry friction, which may stick, (n,)."""
-        found = np.zeros(self.n, dtype=np.bool_)
-        for block in self.model.blocks:
-            if isinstance(block.term, DryFriction):
-                found[list(block.joints)] = True
-        return found
+        sticking = [j for block in self.model.blocks if isinstance(block.term, DryFriction) for j in block.joints]
+        return np.isin(np.arange(self.n), sticking)
 
     @cached_property
     def detection(self) -> Detection:
         """Hypotheses of the change detection, with their thresholds."""
-        alarms = self.false_alarms if self.forgets else 0.0
+        alarms = self.false_alarms if self.memory < math.inf else 0.0
         return Detection.of(self.model, alarms / 36_000.0)  # at most ten independent looks a second
 
 

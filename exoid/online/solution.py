@@ -10,7 +10,6 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
-from exoid.estimate.finding import Finding
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RANK, ROUNDING, TINY, RFactor, Solution, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
@@ -49,7 +48,7 @@ def inverse_of(R: FloatArray) -> FloatArray | None:
 
 def belief(settings: Settings, state: State) -> FloatArray:
     """[R z] of all that is known, R β = z + noise of unit size, (P + 1, P + 1); zero before the first rows."""
-    independent = np.sqrt(inflations(settings, state.correlation).mean())
+    independent = np.sqrt(state.correlation.inflation.mean())
     table = state.information.R * np.append(state.weights / independent, 1.0)[:, None, None]
     return np.asarray(np.linalg.qr(table.reshape(-1, settings.count + 1), mode="r"))
 
@@ -78,20 +77,15 @@ def follow_residuals(settings: Settings, before: Correlation, e: FloatArray, use
     )
     sums = discount * before.sums + np.einsum("mj,mjk->kj", e, lagged)
     counts = discount * before.counts + np.einsum("mj,mjk->kj", used.astype(np.float64), masked)
-    return Correlation(both[-LAGS:], mask[-LAGS:], sums, counts)
-
-
-def inflations(settings: Settings, correlation: Correlation) -> FloatArray:
-    """Rows of each joint that say as much as one independent row, (n,)."""
     # Behind a low-pass, and where the model errs, one row resembles the next. The variance of a mean of N such rows is
     # c/N of that of one, with c = 1 + 2 Σ_k ρ_k. Sums of slowly varying columns times rows have the same factor; those
     # of columns that vary faster than the noise a smaller one, so that intervals are rather too wide than too narrow.
     # ρ counts from 200 pairs of rows on, and up to the first below 0.02.
-    sums, counts = correlation.sums, np.maximum(correlation.counts, 1.0)
-    variance = sums[0] / counts[0]
-    rho = np.divide(sums[1:] / counts[1:], variance, out=np.zeros_like(sums[1:]), where=variance > 0.0)
+    products = sums / np.maximum(counts, 1.0)
+    rho = np.divide(products[1:], products[0], out=np.zeros_like(sums[1:]), where=products[0] > 0.0)
     believed = np.cumprod((rho > 0.02) & (counts[1:] >= 200.0), axis=0)
-    return np.asarray(np.maximum(settings.filter_inflation, 1.0 + 2.0 * (np.minimum(rho, 1.0) * believed).sum(axis=0)))
+    inflation = np.maximum(settings.filter_inflation, 1.0 + 2.0 * (np.minimum(rho, 1.0) * believed).sum(axis=0))
+    return Correlation(both[-LAGS:], mask[-LAGS:], sums, counts, inflation)
 
 
 def repeats(correlation: Correlation, rows: FloatArray) -> FloatArray:
@@ -111,18 +105,15 @@ def repeats(correlation: Correlation, rows: FloatArray) -> FloatArray:
     return np.asarray(1.0 + share * np.maximum(rows[: len(share)] / lags[best] - 1.0, 0.0))
 
 
-def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...]) -> Estimate:
-    """Make the estimate of a state."""
+def estimate_of(settings: Settings, state: State) -> Estimate:
+    """Make the estimate of a state, without findings."""
     # The covariance is A⁻¹ (Σ_j w_j⁴ s_j² c_j A_j) A⁻¹ with A = Σ_j w_j² A_j: the noise of joint j has the size s_j,
     # and c_j of its rows say as much as one independent row.
     model, (R, rows) = settings.model, state.information
     if not rows[:-1].any() and not R[-1].any():
-        raise NotIdentifiableError(
-            "no row so far: nothing can be estimated",
-            remedy="move the leg, and update for longer",
-            parameters=model.names,
-        )
-    inflation = inflations(settings, state.correlation)
+        what, remedy = "no row so far: nothing can be estimated", "move the leg, and update for longer"
+        raise NotIdentifiableError(what, remedy=remedy, parameters=model.names)
+    inflation = state.correlation.inflation
     samples = np.append(rows[:-1] / inflation, rows[-1])
     factors = [RFactor(R[j], round(rows[j]), float(samples[j])) for j in range(len(R))]
 
@@ -160,7 +151,6 @@ def estimate_of(settings: Settings, state: State, findings: tuple[Finding, ...])
         estimator="recursive wls",
         preparation=FiniteDifference() if settings.cutoff is None else ZeroPhase(cutoff=settings.cutoff),
         inputs=(Input("stream", "", state.samples, settings.rate),),
-        findings=findings,
         evidence=Evidence(
             parameter_scale=parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors),
             cutoff_source=None if settings.cutoff is None else "passed to the recursive estimator",

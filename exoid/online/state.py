@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 
+from .hypotheses import SENSOR_FAULTS
 from .settings import LAGS, Settings
 
 REMEMBERED = 100
@@ -37,6 +38,7 @@ class Correlation(NamedTuple):
     used: FloatArray  # whether they were used, 0 or 1, (K, n)
     sums: FloatArray  # discounted sum of products of residuals k rows apart, (K + 1, n)
     counts: FloatArray  # discounted number of them, (K + 1, n)
+    inflation: FloatArray  # rows that say as much as one independent row, (n,)
 
 
 class Detector(NamedTuple):
@@ -50,7 +52,7 @@ class Detector(NamedTuple):
     settled: int  # blocks with rows since the beginning, or since the last change
     weights: FloatArray  # weight of the rows of each joint, followed slowly and not beside a suspicion [1/(N·m)], (n,)
     values: FloatArray  # parameters before the suspicion, (P,)
-    collected: Information  # rows since the suspicion, without what was known before
+    collected: Information  # [R z F] of the rows since the suspicion, with columns of faults
     named: int  # place of the hypothesis that was reported for these rows; −1 for none
     candidates: tuple[int, ...]  # places of the hypotheses that may have changed
 
@@ -67,10 +69,11 @@ class Change(NamedTuple):
         sample: Samples that had been received when it was detected.
         time: The same [s].
         kind: "load" (of a segment: a payload), "friction", "offset", "inertia" (of a rotor), "stiffness", or the name
-            of another term.
-        joint: Joint of the friction, or the joint that carries the segment with the load; "" for neither.
-        parameters: Parameters that changed.
+            of another term; "torque-scale", "angle-offset" or "torque-delay" of a sensor.
+        joint: Joint of the friction or sensor, or the joint that carries the segment with the load; "" for all.
+        parameters: Parameters that changed; none by a fault of a sensor.
         statistic: Statistic over its threshold.
+        size: Change of a torque's scale, of an angle's zero [rad], or delay [s]; NaN for parameters.
         values: All parameters before the change, (P,).
     """
 
@@ -80,12 +83,14 @@ class Change(NamedTuple):
     joint: str
     parameters: tuple[str, ...]
     statistic: float
+    size: float
     values: tuple[float, ...]
 
     def __str__(self) -> str:
         """Write one sentence."""
         where = f" at {self.joint}" if self.joint else ""
-        return f"{self.time:.2f} s: {self.kind}{where} changed ({', '.join(self.parameters)})"
+        what = ", ".join(self.parameters) or f"{self.size:+.3g}{SENSOR_FAULTS[self.kind]}"
+        return f"{self.time:.2f} s: {self.kind}{where} changed ({what})"
 
 
 class State(NamedTuple):
@@ -93,7 +98,7 @@ class State(NamedTuple):
 
     samples: int  # number of samples, those that were left out included
     motion: FloatArray  # last samples of q, v, a, τ and of the marks of each joint, for the first filter, (h1, 5 n)
-    columns: FloatArray  # last samples of columns, torques and marks, for the second filter, (h2, c + 2 n)
+    columns: FloatArray  # last samples of columns, torques, marks, q, v, a for the second filter, (h2, c + 5 n)
     information: Information  # what the rows say
     values: FloatArray  # parameters by the last block, (P,)
     std: FloatArray  # their standard deviations by the R factors alone, (P,); infinite before they are determined
@@ -114,13 +119,13 @@ def begin(settings: Settings) -> State:
     state = State(
         samples=0,
         motion=np.zeros((settings.histories[0], 5 * n)),
-        columns=np.zeros((settings.histories[1], len(settings.acting[0]) + 2 * n)),
+        columns=np.zeros((settings.histories[1], len(settings.acting[0]) + 5 * n)),
         information=Information(R, rows),
         values=np.zeros(P),
         std=np.full(P, np.inf),
         weights=np.ones(n),
         sharpest=np.zeros(n),
-        correlation=Correlation(*lags),
+        correlation=Correlation(*lags, np.full(n, settings.filter_inflation)),
         detector=Detector(
             score=np.zeros(P),
             energy=np.zeros((P, P)),
@@ -130,7 +135,7 @@ def begin(settings: Settings) -> State:
             settled=0,
             weights=np.ones(n),
             values=np.zeros(P),
-            collected=Information(R, rows),
+            collected=Information(np.zeros((n + 1, *[P + 1 + len(SENSOR_FAULTS) * n] * 2)), rows),
             named=-1,
             candidates=(),
         ),
@@ -145,6 +150,6 @@ def restarted(settings: Settings, state: State) -> State:
     n = settings.n
     motion, columns = np.zeros_like(state.motion), np.zeros_like(state.columns)
     motion[:, 4 * n :] = UNKNOWN
-    columns[:, len(settings.acting[0]) + n :] = UNKNOWN
+    columns[:, len(settings.acting[0]) + n :][:, :n] = UNKNOWN
     correlation = state.correlation._replace(tail=np.zeros((LAGS, n)), used=np.zeros((LAGS, n)))
     return state._replace(motion=motion, columns=columns, correlation=correlation)

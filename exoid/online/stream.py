@@ -85,16 +85,16 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
         what = f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice"
         raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))
     marks, tau = (0.0,) * n, sample[3 * n :]
-    if settings.limits is not None:
-        marks = tuple(float(abs(x) >= y) for x, y in zip(tau, settings.limits, strict=True))
+    if settings.torque_limits:
+        marks = tuple(float(abs(x) >= y) for x, y in zip(tau, settings.torque_limits, strict=True))
         if any(marks):
             stream = stream.with_fault("saturated-torque")
-    stream = _watched(stream, q, tau, settings.rate)
-    if any(map(math.isinf, stream.since)):
-        marks = tuple(max(mark, float(math.isinf(x))) for mark, x in zip(marks, stream.since, strict=True))
+    held, since = _held(stream, q, tau, settings.rate)
+    if math.inf in since:
+        marks = tuple(max(mark, float(math.isinf(x))) for mark, x in zip(marks, since, strict=True))
         stream = stream.with_fault("stuck-torque")
-    now = (*sample, *marks)
-    after = stream._replace(last=now, time=time, missing=0, implausible=0, received=stream.received + 1)
+    now, received = (*sample, *marks), stream.received + 1
+    after = stream._replace(last=now, time=time, missing=0, implausible=0, held=held, since=since, received=received)
     if not (last and 0 < missing <= BRIDGED):
         return after, (now,), missing > BRIDGED
     shares = [k / (missing + 1.0) for k in range(1, missing + 1)]
@@ -102,19 +102,19 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
     return after, (*bridge, now), False
 
 
-def _watched(stream: Stream, q: Sample, tau: Sample, rate: float) -> Stream:
-    """Follow for how long the torque of each joint has kept one value, and whether its joint moved meanwhile."""
+def _held(stream: Stream, q: Sample, tau: Sample, rate: float) -> tuple[tuple[int, ...], Sample]:
+    """Samples for which the torque of each joint has kept one value, and its angle since; infinite once it is stuck."""
     n, last = len(q), stream.last
     held = stream.held or (0,) * n
     if last:
         held = tuple(count + 1 if x == y else 0 for count, x, y in zip(held, tau, last[3 * n :], strict=False))
     if not any(held):
-        return stream._replace(held=held, since=q)
+        return held, q
     since = []
     for count, begun, x in zip(held, stream.since, q, strict=True):
         stuck = count > STUCK * rate and abs(x - begun) > MOVED
         since.append(math.inf if stuck else begun if count else x)
-    return stream._replace(held=held, since=tuple(since))
+    return held, tuple(since)
 
 
 def moved(stream: Stream, samples: FloatArray, rate: float) -> Stream:
@@ -149,10 +149,9 @@ def as_table(values: ArrayLike | None, name: str, n: int, count: int | None) -> 
     except (TypeError, ValueError) as error:
         what = f"{name} is no array of numbers ({error})"
         raise BadArgumentError(what, remedy="pass (n,) or (N, n) in SI units") from None
-    if table.ndim != 2 or table.shape[1] != n or (count is not None and len(table) != count):
-        wanted = f"({n},) or (N, {n})" if count is None else f"({count}, {n})"
-        what = f"{name} of shape {np.shape(values)} for {n} joints"
-        raise BadArgumentError(what, remedy=f"pass {wanted} in SI units")
+    if table.ndim != 2 or table.shape[1] != n or count not in (None, len(table)):
+        what = f"{name} of shape {np.shape(values)} for {n} joints and {count or 'any number of'} samples"
+        raise BadArgumentError(what, remedy=f"pass ({n},) or (N, {n}) in SI units")
     return table
 
 
