@@ -70,10 +70,9 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
         return state
     verdict = judge(settings, state)
     if verdict.torn:  # a second change, or none: everything may have changed, and rows from now on say what
-        emptied = _emptied(detector)
         every = tuple(range(len(settings.detection.hypotheses)))
-        state = _given_up(settings, state._replace(detector=emptied), np.eye(settings.count))
-        return state._replace(detector=emptied._replace(crossing=0, candidates=every))
+        emptied = _emptied(detector)._replace(crossing=0, candidates=every)
+        return _given_up(settings, state._replace(detector=emptied), np.eye(settings.count))
     if verdict.best < 0:  # whatever it was, it is over: the change is taken back
         held = state.checkpoints[-1] if detector.candidates else state.information
         wrong = detector.named >= 0 and since <= PROBATION  # later, a fault of a sensor was mended
@@ -134,6 +133,8 @@ def _given_up(settings: Settings, state: State, basis: FloatArray, *, learn: boo
     # In coordinates β = B b + C c, an R factor with b first has the information on c alone in its last rows,
     # and one with b last that on b alone.
     state = state._replace(weights=state.detector.weights, information=state.checkpoints[-1])
+    if not basis.size:  # sensors failed
+        return solved(settings, state, state.information)
     R, (count, freedom) = belief(settings, state), basis.shape
     others = np.linalg.svd(basis)[0][:, freedom:]
     root, z = R[:-1, :-1], R[:-1, -1:]

@@ -84,15 +84,14 @@ class Verdict(NamedTuple):
 def judge(settings: Settings, state: State) -> Verdict:
     """Compare the hypotheses on the rows since a suspicion."""
     detection, detector, inflation = settings.detection, state.detector, state.correlation.inflation
-    hypotheses = detection.hypotheses
-    faults = [k for k, one in enumerate(hypotheses) if one.kind in SENSOR_FAULTS]
+    faults = [k for k, one in enumerate(detection.hypotheses) if one.kind in SENSOR_FAULTS]
     collected, precision = detector.collected, detector.weights / np.sqrt(inflation)
     table, count = (collected.R[:-1] * precision[:, None, None]).reshape(-1, collected.R.shape[2]), settings.count
     W, e = np.delete(table, count, axis=1), table[:, count] - table[:, :count] @ detector.values
     score, energy, independent = W.T @ e, W.T @ W, float((collected.rows[:-1] / inflation).sum())
     moving = np.flatnonzero(np.diag(energy)[:count] > 0.0)
     # What all parameters explain together with the fault that fits best
-    bases = np.array([np.hstack([np.eye(len(W.T))[:, moving], hypotheses[k].basis]) for k in faults])
+    bases = np.array([np.hstack([np.eye(len(W.T))[:, moving], detection.hypotheses[k].basis]) for k in faults])
     everything = float(ratios_of(score @ bases, bases.transpose(0, 2, 1) @ (energy @ bases)).max())
     before = state._replace(weights=detector.weights, information=state.checkpoints[-1])
     # (1 + E P)⁻¹ s and (1 + E P)⁻¹ E with the covariance P = L Lᵀ of what was known before
@@ -117,7 +116,7 @@ def judge(settings: Settings, state: State) -> Verdict:
     lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
     complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
     torn = left > TORN and changed - everything > BENT * changed and independent > 2.0 * len(moving)
-    size, column = math.nan, hypotheses[best].basis[:, 0]
+    size, column = math.nan, detection.hypotheses[best].basis[:, 0]
     if best in faults:
         size = float(score @ column / (column @ energy @ column))
     return Verdict(best, float(ratios[best]), size, candidates, complete, torn)
