@@ -1,4 +1,4 @@
-"""Faults of single joints of a leg on the ground: a torque out of scale, an angle whose zero is off."""
+"""Faults of single joints of a leg on the ground: a torque out of scale, a wrong zero, a spring or a strap."""
 
 from __future__ import annotations
 
@@ -21,9 +21,13 @@ from .findings.kinds import KINDS, Nuisance
 from .findings.score import in_half_widths
 from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .problem import Fitted
-from .row_changes import Effects, Footing, changed, equations, footing_effects
+from .row_changes import Effects, Footing, best_reading, changed, equations, footing_effects
 
-SIZES = {"torque-scale": (0.02, 0.3, "1"), "angle-offset": (np.deg2rad(0.5), 0.1, "rad")}
+SIZES = {
+    "torque-scale": (0.02, 0.3, "1"),
+    "angle-offset": (np.deg2rad(0.5), 0.1, "rad"),
+    "unmodelled-force": (1.0, 100.0, "N·m/rad"),
+}
 """Step at which effects are computed, standard deviation before any log is seen, and unit of each kind."""
 
 GAIN, CLEAR, ALIKE = 0.02, 4.0, 0.8
@@ -57,6 +61,10 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     flipped = faults[best][0] == "torque-scale" and values[best] < -1.5  # a sign: readings of the torques tell
     if gains[best] < GAIN * found.squares or abs(values[best]) < CLEAR * stds[best] or flipped:
         return
+    every = range(len(fitted.problem.groups))
+    mended = changed(fitted.problem, every, partial(_without, footing, *faults[best], values[best]))
+    if best_reading(fitted.problem, every, mended) is not None:  # torques of other signs, or in another order
+        return
     half = 2.0 * np.sqrt(np.diag(fitted.fit.solution.covariance))
     alike = [k for k in np.argsort(-gains).tolist() if gains[k] > ALIKE * gains[best]]
     for k in alike:
@@ -79,17 +87,7 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
 def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, int]]) -> Effects:
     """Take a small fault out of all recordings, each behind the numbers of a footing."""
     every = range(len(fitted.problem.groups))
-
-    def without(kind: str, joint: int, model: TorqueModel, one: Recording) -> Recording:
-        one, step = for_leg(model, one), SIZES[kind][0] * (np.arange(len(model.joint_names)) == joint)
-        if kind == "torque-scale":
-            return one if one.tau is None else replace(one, tau=one.tau * (1.0 + step))
-        one = replace(one, q=one.q - step)
-        if footing is None or not isinstance(one.base, StandingBase):
-            return one
-        return replace(one, base=footing.carried(model.leg, one, one.base.link))
-
-    others = [changed(fitted.problem, every, partial(without, *fault)) for fault in faults]
+    others = [changed(fitted.problem, every, partial(_without, footing, *one, SIZES[one[0]][0])) for one in faults]
     steps, stds = np.array([SIZES[kind][:2] for kind, _ in faults]).T
     if footing is None:
         return Effects(others, steps, stds, 0.0 * stds)
@@ -107,3 +105,18 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
         np.append(about.prior_mean, 0.0 * stds),
         of_rows,
     )
+
+
+def _without(
+    footing: Footing | None, kind: str, joint: int, size: float, model: TorqueModel, one: Recording
+) -> Recording:
+    """Take a fault of a size out of a recording."""
+    one, own = for_leg(model, one), size * (np.arange(len(model.joint_names)) == joint)
+    if kind != "angle-offset":
+        if one.tau is None:
+            return one
+        return replace(one, tau=one.tau + (own * one.tau if kind == "torque-scale" else -own * one.q))
+    one = replace(one, q=one.q - own)
+    if footing is None or not isinstance(one.base, StandingBase):
+        return one
+    return replace(one, base=footing.carried(model.leg, one, one.base.link))

@@ -380,17 +380,18 @@ def residual(rows: Rows, values: FloatArray) -> FloatArray:
 def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     """Try other signs and orders of the torques of some groups where the fit is poor; else look for delays."""
     logged = _with_torques(fitted.problem, parts, None)
-    torques = rms_residuals(logged, parts, np.zeros(len(fitted.problem.names)))
-    misfits = rms_residuals(logged, parts, fitted.fit.solution.values)
-    measured = torques > 0.0
-    named = any(one.kind in ("torque-scale", "angle-offset") for one in fitted.findings)  # another sign may look alike
-    if not named and (misfits[measured] > 0.25 * POOR * torques[measured]).any():
-        best = _best_reading(logged, parts)
-        if best is not None:
-            names = logged.groups[parts[0]].model.names
-            text = f"{best.message}: the log fits by far better"
-            yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=names)
-            return
+    joints = (
+        "torque-scale",
+        "angle-offset",
+        "unmodelled-force",
+    )  # another sign may look alike, and was tried beside them
+    named = any(one.kind in joints for one in fitted.findings)
+    best = None if named else best_reading(logged, parts)
+    if best is not None:
+        names = logged.groups[parts[0]].model.names
+        text = f"{best.message}: the log fits by far better"
+        yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=names)
+        return
     kind = KINDS["torque-delay"]
     for joint, delay, half in zip(
         logged.groups[parts[0]].model.joint_names, *torque_delays(fitted, parts), strict=True
@@ -401,16 +402,20 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
             yield Finding("torque-delay", joint, float(delay), "s", "warning", text, kind.remedy, interval)
 
 
-def _best_reading(problem: Problem, parts: Sequence[int]) -> Reading | None:
-    """Reading of the torques that fits by far better than the log as it is, if any."""
+def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None = None) -> Reading | None:
+    """Reading of the torques that fits by far better than a poor log as it is, and than a rival, if any."""
     plain, *others = readings(problem.groups[parts[0]].model.joint_names)
     signs = [one for one in others if one.kind != "torque-scale"]  # another scale only parts a torque from the others
     of_torques = [one for one in signs if (one.angles, one.angle_order) == (plain.angles, plain.angle_order)]
-    as_logged = _misfit(problem, parts, plain)
+    as_logged, torques = _misfit(problem, parts, plain), rms_residuals(problem, parts, np.zeros(len(problem.names)))
+    if as_logged is None or not (as_logged > 0.25 * POOR * torques)[torques > 0.0].any():
+        return None
     best, most = None, 2.0 * np.log(FITS_BETTER)
+    if rival is not None and (misfit := _misfit(rival, parts, plain)) is not None:
+        most = max(most, float(np.sum(np.log(as_logged / misfit))) + 2.0 * np.log(CLEARLY))
     for reading in of_torques:
         misfit = _misfit(problem, parts, reading)
-        if as_logged is not None and misfit is not None and (gain := float(np.sum(np.log(as_logged / misfit)))) > most:
+        if misfit is not None and (gain := float(np.sum(np.log(as_logged / misfit)))) > most:
             best, most = reading, gain + 2.0 * np.log(CLEARLY)
     return best
 
