@@ -110,6 +110,14 @@ PASSIVE = FrictionCompensation(scale=0.9, drives=False)
 """Nine tenths of the model's friction, which never drives: for a wearer."""
 
 
+def refuse_desired(friction: FrictionCompensation | None) -> None:
+    """Refuse friction of a desired velocity in a law that follows none."""
+    if friction is not None and friction.velocity == "desired":
+        raise BadArgumentError(
+            "friction of the desired velocity, where no motion is desired", remedy="use SMOOTH, SHARP or PASSIVE"
+        )
+
+
 def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:
     """Make the model of a law, and warn if it compensates friction that is negative."""
     # Under eq. (6) of doc. 2, its Table III as printed would inject energy: compensating it opposes the motion.

@@ -7,7 +7,7 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.tools.numbers import checked
 
-from .friction import AHEAD, PASSIVE, FrictionCompensation, model_to_compensate
+from .friction import AHEAD, PASSIVE, FrictionCompensation, model_to_compensate, refuse_desired
 from .law import RATE, gains
 from .model import ControlModel, ModelSource, possible_mass_matrix
 from .tracking_law import TrackingLaw
@@ -177,7 +177,8 @@ def gravity_support(
         The controller.
 
     Raises:
-        ExoidError: A share is not from 0 to 1, the rate is not positive, or the source has no control model.
+        ExoidError: A share is not from 0 to 1, the rate is not positive, friction is that of a desired velocity, or the
+            source has no control model.
 
     Example:
         >>> import numpy as np
@@ -187,5 +188,6 @@ def gravity_support(
         >>> np.allclose(law.torque(state, None), 0.6 * leg.gravity([0.5, 0.8])[0])
         True
     """
+    refuse_desired(friction)
     shares = checked(share, "the share of the weight", least=0.0, most=1.0)  # to carry the limb too, give its model
     return TrackingLaw("share", shares, np.zeros(()), ControlModel.of(source), friction, rate)

@@ -17,7 +17,7 @@ from exoid.rig import Target
 from exoid.tools.numbers import checked
 
 from .c_description import describe
-from .friction import FrictionCompensation
+from .friction import FrictionCompensation, refuse_desired
 from .law import State, refuse_rate, sound, spread
 from .model import ControlModel, ModelSource
 
@@ -199,7 +199,9 @@ def sensitivity_amplification(
         The controller.
 
     Raises:
-        ExoidError: An amplification is below 1, bandwidth or rate do not fit, or the source has no control model.
+        ExoidError: An amplification is below 1, bandwidth or rate do not fit, friction is of a desired velocity, or the
+            source has no control model.
     """
+    refuse_desired(friction)
     model = ControlModel.of(source)
     return SensitivityAmplification(model, np.asarray(amplification), MotionFilter(bandwidth, rate), friction)

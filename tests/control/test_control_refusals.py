@@ -8,6 +8,7 @@ from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 from exoid.codegen import Dialect
 from exoid.control import (
+    AHEAD,
     ControlModel,
     FrictionCompensation,
     Limited,
@@ -62,14 +63,11 @@ REFUSED = {
     "rate": [
         (make, bad)
         for bad in (0.0, -1.0, INF, NAN)
-        for make in (
-            lambda x: pd(1.0, 1.0, rate=x),
-            lambda x: gravity_friction_pd(LEG, 1.0, 1.0, rate=x),
-        )
+        for make in (lambda x: pd(1.0, 1.0, rate=x), lambda x: gravity_friction_pd(LEG, 1.0, 1.0, rate=x))
     ],
     "friction": [
-        *((lambda x: FrictionCompensation(**x), bad) for bad in ({"velocity": "wished"}, {"width": -0.1})),
-        *((lambda x: FrictionCompensation(**x), bad) for bad in ({"width": NAN}, {"scale": INF})),
+        *((lambda x: FrictionCompensation(**x), bad) for bad in ({"velocity": "own"}, {"width": -0.1}, {"scale": INF})),
+        *((lambda make: make(LEG, 1.0, friction=AHEAD), make) for make in (gravity_support, sensitivity_amplification)),
         *(
             (lambda x: FrictionCompensation(drives=False, **x), bad)
             for bad in ({"scale": 1.2}, {"scale": -0.1}, {"scale": NAN}, {"width": 0.0}, {"velocity": "desired"})
