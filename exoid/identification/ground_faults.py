@@ -41,7 +41,10 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     names, count = fitted.models[0].joint_names, len(fitted.problem.names)
     if any(model.joint_names != names for model in fitted.models):
         return
-    faults = [(kind, joint) for kind in SIZES for joint in range(len(names))]
+    data = (one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording))
+    passive = {name for one in data for name in one.passive}  # their torque is zero, and no measurement
+    joints = [joint for joint, name in enumerate(names) if name not in passive]
+    faults = [(kind, joint) for kind in SIZES for joint in (range(len(names)) if kind == "angle-offset" else joints)]
     found = equations(fitted, _effects(fitted, footing, faults))
     # Each is tried alone, beside the numbers of the footing: a lean of the ground may imitate a zero
     beside = np.flatnonzero(found.free[: -len(faults)])
