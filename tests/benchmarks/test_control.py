@@ -15,7 +15,7 @@ LEG = exoid.load_leg("cuhk")
 PLANT = Plant.build(LEG, {**published.cuhk_resistances(), "Ia_knee": 0.8})
 KP, KD = (22.0, 55.0), (2.2, 5.5)
 Q, V, A = np.array([0.3, 0.5]), np.array([0.2, -0.4]), np.array([1.0, 0.5])
-ROUNDS = 3
+ROUNDS = 9
 
 
 def steps():
@@ -41,6 +41,6 @@ def best():
     return found
 
 
-def test_no_law_takes_longer_than_32_calls_of_rnea(best):
+def test_no_law_takes_longer_than_24_calls_of_rnea(best):
     """Some 20 operations on arrays of two numbers: 13 calls on one processor, 19 on another, where one takes 0.9 µs."""
-    assert max(best.values()) <= 32.0 * best["rnea"]
+    assert max(best.values()) <= 24.0 * best["rnea"]

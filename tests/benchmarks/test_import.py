@@ -14,8 +14,8 @@ ROUNDS = 5
 RATIO = 1.5
 """Above this something heavy has come into ``import exoid``."""
 
-FIRST_USE = 4.5
-"""The same for a leg and its identification, which need Pinocchio (2.3 to 3.7 measured)."""
+FIRST_USE = 3.0
+"""The same for a leg and its identification, which need Pinocchio (2.3 to 2.8 measured)."""
 
 SCRIPT = "import time; start = time.process_time(); {}; print(time.process_time() - start)"
 STATEMENTS = ("import pinocchio", "import exoid", "import exoid; exoid.load_leg, exoid.identify")
@@ -30,7 +30,8 @@ def seconds(statement: str, compiled: Path) -> float:
 
 def test_importing_exoid_takes_no_longer_than_it_must(tmp_path):
     times = np.array([[seconds(statement, tmp_path) for statement in STATEMENTS] for _ in range(ROUNDS)])
-    pinocchio, ours, used = times.min(axis=0)
+    # ratios are of one round, as a shared processor changes its speed
+    pinocchio, ours, used = np.median(times[:, :1]) * np.median(times / times[:, :1], axis=0)
     print(f"\nimport pinocchio: {1e3 * pinocchio:.0f} ms, import exoid: {1e3 * ours:.0f} ms, {ours / pinocchio:.2f} ×")
     print(f"with a leg and its identification: {1e3 * used:.0f} ms, {used / pinocchio:.2f} ×")
     assert ours <= RATIO * pinocchio
