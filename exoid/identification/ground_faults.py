@@ -28,7 +28,8 @@ SIZES = {
     "angle-offset": (np.deg2rad(0.5), 0.1, "rad"),
     "unmodelled-force": (1.0, 100.0, "N·m/rad"),
 }
-"""Step at which effects are computed, standard deviation before any log is seen, and unit of each kind."""
+"""Step at which effects are computed, standard deviation before any log is seen, and unit of the size s of each kind:
+without the fault the torque is τ (1 + s), the angle q − s, or the torque τ − s q, in the joint's direction."""
 
 GAIN, CLEAR, ALIKE = 0.02, 4.0, 0.8
 """A fault explains at least this part of the squared residuals, is as many standard deviations of correlated noise from

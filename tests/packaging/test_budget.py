@@ -13,7 +13,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (7150, 5000),
     "estimate": (3510, 2900),
     "experiments": (3537, 3200),
-    "identification": (8202, 7200),
+    "identification": (8203, 7200),
     "lab": (4546, 5000),
     "leg": (4524, 4200),
     "online": (1590, 1500),

@@ -131,19 +131,20 @@ def wrongly(log, link, value, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("joint", "size"), [(1, 1.15), (3, 0.9), (4, -0.04), (0, 0.04)])
+@pytest.mark.parametrize(("joint", "size"), [(1, 1.15), (3, 0.9), (4, -0.04), (0, 0.04), (1, 40.0)])
 def test_a_fault_of_one_joint_is_named(exo, stance, joint, size):
     """A knee of 1.1 times its torque had its shank 9 % too light in silence, and a wrong zero was a foot that rocks."""
-    kind, own = "torque-scale" if size > 0.5 else "angle-offset", np.arange(6) == joint
-    factor = np.where(own & (kind == "torque-scale"), size, 1.0)
-    zero = np.where(own & (kind == "angle-offset"), size, 0.0)
-    logs = [replace(one, tau=one.tau * factor, q=one.q + zero) for one in (log.recording for log in stance)]
+    kind = "unmodelled-force" if size > 2.0 else "torque-scale" if size > 0.5 else "angle-offset"  # N·m/rad, 1, rad
+    factor, zero, spring = np.array([[1.0] * 6, [0.0] * 6, [0.0] * 6])
+    {"torque-scale": factor, "angle-offset": zero, "unmodelled-force": spring}[kind][joint] = size
+    every = [log.recording for log in stance]
+    logs = [replace(one, tau=one.tau * factor + one.q * spring, q=one.q + zero) for one in every]
     findings = exoid.identify(exo, logs, TERMS).findings
     assert not {"rocking-foot", "torque-sign"} & {one.kind for one in findings}
-    found = {one.joint: one for one in findings if one.kind in ("torque-scale", "angle-offset")}
+    found = {one.joint: one for one in findings if one.kind in ("torque-scale", "angle-offset", "unmodelled-force")}
     one = found.pop(exo.joint_names[joint])
     assert {one.kind, *(other.kind for other in found.values())} == {kind}
-    assert one.interval[0] - 0.005 < size < one.interval[1] + 0.005
+    assert one.interval[0] - 0.005 * abs(size) < size < one.interval[1] + 0.005 * abs(size)
     opposite = {"right_hip": -size} if joint == 0 else {}  # without an IMU, the other hip may be too little far
     assert {name: other.value for name, other in found.items()} == pytest.approx(opposite, abs=0.005)
 
@@ -370,6 +371,10 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     assert "impossible-leg" in {each.kind for each in exoid.check(exo, logs, terms=TERMS)}
     found = exoid.check(exo, [replace(log.recording, tau=10.0 * log.recording.tau) for log in stance], terms=TERMS)
     assert [round(each.value, 1) for each in found if each.kind == "torque-scale"] == [10.0]
+    swapped = [replace(log.recording, tau=log.recording.tau[:, [0, 4, 2, 3, 1, 5]]) for log in stance]
+    assert "joint-order" in {each.kind for each in exoid.check(exo, swapped, terms=TERMS)}
+    with pytest.raises(ExoidError, match="N·mm"):
+        exoid.identify(exo, replace(both.recording, tau=1e3 * both.recording.tau), TERMS)
 
 
 @pytest.mark.slow
