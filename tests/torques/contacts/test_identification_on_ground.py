@@ -133,7 +133,7 @@ def wrongly(log, link, value, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize(("joint", "size"), [(1, 1.15), (3, 0.9), (4, -0.04), (0, 0.04), (1, 40.0)])
 def test_a_fault_of_one_joint_is_named(exo, stance, joint, size):
-    """A knee of 1.1 times its torque had its shank 9 % too light in silence, and a wrong zero was a foot that rocks."""
+    """A knee of 1.1 times its torque made its thigh too light in silence, and a wrong zero was a foot that rocks."""
     kind = "unmodelled-force" if size > 2.0 else "torque-scale" if size > 0.5 else "angle-offset"  # N·m/rad, 1, rad
     factor, zero, spring = np.array([[1.0] * 6, [0.0] * 6, [0.0] * 6])
     {"torque-scale": factor, "angle-offset": zero, "unmodelled-force": spring}[kind][joint] = size
