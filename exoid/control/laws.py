@@ -63,6 +63,10 @@ def gravity_friction_pd(
 
     Warns:
         UserWarning: The friction coefficients are negative: compensating them destabilises the leg.
+
+    Example:
+        >>> gravity_friction_pd(exoid.load_leg("cuhk"), kp=(22.0, 56.0), kd=(2.2, 5.6)).name
+        'GravityFrictionPD'
     """
     model = model_to_compensate(source, friction)
     return TrackingLaw("gravity", gains(kp, "kp"), gains(kd, "kd"), model, friction, rate)
@@ -154,6 +158,10 @@ def impedance(
 
     Raises:
         ExoidError: Stiffness or damping is negative, or the source has no control model.
+
+    Example:
+        >>> impedance(exoid.load_leg("cuhk"), stiffness=(60.0, 40.0), damping=(6.0, 4.0)).rate
+        100.0
     """
     kp, kd = gains(stiffness, "stiffness"), gains(damping, "damping")
     return TrackingLaw("measured", kp, kd, ControlModel.of(source), friction, rate)

@@ -201,6 +201,11 @@ def sensitivity_amplification(
     Raises:
         ExoidError: An amplification is below 1, bandwidth or rate do not fit, friction is of a desired velocity, or the
             source has no control model.
+
+    Example:
+        >>> import exoid
+        >>> float(sensitivity_amplification(exoid.load_leg("cuhk"), 5.0, bandwidth=15.0).share)
+        0.8
     """
     refuse_desired(friction)
     model = ControlModel.of(source)
