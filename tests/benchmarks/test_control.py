@@ -41,6 +41,6 @@ def best():
     return found
 
 
-def test_no_law_takes_longer_than_24_calls_of_rnea(best):
+def test_no_law_takes_longer_than_28_calls_of_rnea(best):
     """Some 20 operations on arrays of two numbers: 13 calls on one processor, 19 on another, where one takes 0.9 µs."""
-    assert max(best.values()) <= 24.0 * best["rnea"]
+    assert max(best.values()) <= 28.0 * best["rnea"]

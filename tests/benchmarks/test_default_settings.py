@@ -13,7 +13,7 @@ from turns import best_of_turns, show
 import exoid
 
 SAMPLES, ROUNDS = 200_000, 2
-WITH_CHECKS, WITHOUT = 2.2, 3.7
+WITH_CHECKS, WITHOUT = 1.4, 3.5
 """Ratios below which something has become slower; see BENCHMARKS.md for those measured."""
 
 LEG = exoid.load_leg("bleex")

@@ -16,7 +16,7 @@ from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.rig import Plant, Stepper
 
 RIGS, STEPS, ROUNDS, DT = 256, 400, 5, 5e-4
-RATIO = 5.0
+RATIO = 4.0
 """Below this something has become slower."""
 
 LEG = exoid.load_leg("bleex")
