@@ -11,7 +11,6 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError, within
 from exoid.leg.leg import Leg
-from exoid.regression.rows import source_of
 from exoid.signals import Poses, Recording, Recordings
 from exoid.signals.differentiation import difference, smooth_motion
 from exoid.signals.external import ReadOnlyDict
@@ -139,7 +138,7 @@ class Actuators:
         for one in found:
             places, reading = [columns[joint] for joint in one.joints], one.readings(recording, columns)
             assert reading is not None
-            with within(source_of(recording)), within(one.name):
+            with within(recording.file_name), within(one.name):
                 torque = one.torque(reading, recording.q[:, places], velocity[:, places], recording.sample_rate)
             new = ~recording.measured[places]  # of a coupling, some joints may have a sensor
             tau[:, np.array(places)[new]] = torque[:, new]
@@ -215,7 +214,7 @@ class Actuators:
         if without or recording.tau is None:
             raise BadArgumentError(
                 f"no torque of {', '.join(without)} in the recording",
-                where=source_of(recording),
+                where=recording.file_name,
                 remedy="give a recording with the torques of all joints that have a drive",
             )
         velocity, tau = self._velocity(recording, parts), recording.tau.copy()
@@ -321,7 +320,7 @@ def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Map
     has = f", but {' and '.join(others)}" if others else ""
     return UnreadableInputError(
         f"the recording has no torque, and not what its drives turn into torque{has}",
-        where=source_of(recording),
+        where=recording.file_name,
         remedy=f"record {', '.join(needed)} ({', '.join(units)}), or map columns of the log to them",
         command=f"record {', '.join(needed)} ({', '.join(units)}), or map them, e.g. --column {needed[0]}=HEADER",
     )

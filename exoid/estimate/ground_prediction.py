@@ -18,7 +18,7 @@ from exoid.leg.link_frames import lowest_point
 from exoid.leg.torso import MovingBase
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import BaseMotion, Recording, Wrench
 from exoid.signals.cutoff import white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
@@ -91,7 +91,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
     if recording.tau is None or not recording.measured.all():
         raise UnreadableInputError(
-            "the torque of a joint is missing", where=source_of(recording), remedy="record all torques"
+            "the torque of a joint is missing", where=recording.file_name, remedy="record all torques"
         )
     found: dict[str, list[GroundForce]] = {}
     ground = find_ground(estimate, split(leg, recording, estimate.preparation))
@@ -102,7 +102,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
                 found.setdefault(link, []).append(force)
     if not found:
         raise NotIdentifiableError(
-            "no foot carries the leg alone", where=source_of(recording), remedy="record contacts of a standing leg"
+            "no foot carries the leg alone", where=recording.file_name, remedy="record contacts of a standing leg"
         )
     return {link: in_time_order(parts) for link, parts in found.items()}
 

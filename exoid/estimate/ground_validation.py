@@ -14,7 +14,7 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
@@ -73,7 +73,7 @@ def compare_on_ground(
         if not stretches:
             raise NotSupportedError(
                 f"{', '.join(sorted(resting))} on the ground throughout, and the wrenches there were not measured",
-                where=source_of(recording),
+                where=recording.file_name,
                 remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
             )
     return in_time_order([_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches])

@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg, prepare, source_of
+from exoid.regression.rows import for_leg, prepare
 from exoid.signals import Preparation, Recording
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
@@ -250,7 +250,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         compared, ranges = _compare(estimate, chosen_joints, preparation, bandwidth)
     time, measured, predicted, variance, known = compared
     half = half_width(LEVEL, estimate.dof) * np.sqrt(variance)
-    name = source_of(recording)
+    name = recording.file_name
     measured[:, ~chosen_joints.measured] = np.nan
     wrench = known if recording.wrenches else np.zeros_like(known)
     how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}

@@ -8,7 +8,6 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid.errors import BadArgumentError
-from exoid.regression.rows import source_of
 from exoid.rig import Reference, Target
 from exoid.signals import Recording, choose_cutoff
 
@@ -68,7 +67,7 @@ def follow_log(recording: Recording) -> FollowedLog:
     if count < 1 or len(even) < count + DEGREE + 1:
         raise BadArgumentError(
             f"a log of {len(even)} samples is too short to follow",
-            where=source_of(even),
+            where=even.file_name,
             remedy="give one of several seconds",
         )
     time = even.time - even.time[0]

@@ -55,8 +55,7 @@ def _by_source(recordings: Data) -> dict[str, Sequence[Recording | Poses]]:
     named: dict[str, Sequence[Recording | Poses]] = {}
     for index in range(len(recordings)):
         item = recordings.items[index] if isinstance(recordings, Recordings) else None
-        source = None if isinstance(item, RecordingFile) else recordings[index].source
-        file_name = item.path.name if isinstance(item, RecordingFile) else source.name if source else ""
+        file_name = item.path.name if isinstance(item, RecordingFile) else recordings[index].file_name
         name = file_name or str(index + 1)
         if name in named:
             raise BadArgumentError(f"two recordings are called {name}", remedy='name them: {"monday": a, "tuesday": b}')

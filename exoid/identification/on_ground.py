@@ -15,7 +15,7 @@ from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, Un
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.base_checks import flies
 from exoid.signals.cutoff import white_noise
@@ -158,7 +158,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     if most > STRONGEST:  # a sole that gives way under it would turn the base over
         raise UnreadableInputError(
             f"a torque of {most:.6g} N·m (limit {STRONGEST:g} N·m on the ground) looks like N·mm",
-            where=source_of(data[0]),
+            where=data[0].file_name,
             remedy="give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000",
         )
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
@@ -189,7 +189,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
             missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
             raise UnreadableInputError(
                 f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all",
-                where=source_of(data[0]),
+                where=data[0].file_name,
                 remedy=f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)",
                 joints=tuple(missing),
             )
@@ -210,7 +210,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
 
 def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     """Say how many samples were left out, and why."""
-    left, name = parts.left, source_of(recording)
+    left, name = parts.left, recording.file_name
     unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
     check_ground = "check contacts, the ground, and whether joints' zeros are right"
     rows = (
@@ -291,7 +291,7 @@ def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[
 def _told_findings(fitted: Fitted) -> Iterator[Finding]:
     """Say what feet told of the errors of sensors."""
     data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
-    bases = [(source_of(one), one.base) for one in data if isinstance(one.base, CorrectedBase)]
+    bases = [(one.file_name, one.base) for one in data if isinstance(one.base, CorrectedBase)]
     # stretches of a recording share what was told; names of recordings may be alike
     for name, base in {(name, id(base.told), base.own): (name, base) for name, base in bases}.values():
         when = "while a foot rested" if base.own else "by another recording of the session"
@@ -426,7 +426,7 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
     """Say that samples do not fit."""
     severity: Severity = "warning" if kept or share > MUCH_LEFT_OUT else "info"
     kind, cause = "wrong-contact", "a contact is labelled wrongly, slips, or another force acts"
-    remedy, where = "check friction terms, contacts and other forces on the leg", source_of(recording)
+    remedy, where = "check friction terms, contacts and other forces on the leg", recording.file_name
     if support == MEASURED:  # with a load cell alone no contact can be labelled wrongly: the model may be poor
         kind, cause = "large-residual", "friction has another form, or another force acts"
     elif kept:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.data import Input
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
 from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import AccelerationPower, acceleration_power
@@ -61,13 +61,13 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
     counted = slice(None) if mask is None else mask
     if mask is not None and not mask.any():
         raise NotIdentifiableError(
-            "no sample counts: the mask is 0 everywhere", where=source_of(data), remedy="leave the recording out"
+            "no sample counts: the mask is 0 everywhere", where=data.file_name, remedy="leave the recording out"
         )
     q = np.ascontiguousarray(chosen.q[counted].T)  # joint by joint is eight times as fast
     tau = None if chosen.tau is None else chosen.tau[counted]
     return RecordingSummary(
         evidence(data),
-        source_of(data),
+        data.file_name,
         q.min(axis=1),
         q.max(axis=1),
         q.mean(axis=1),

@@ -23,7 +23,7 @@ from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import CorrectedBase, ImuErrors
@@ -336,7 +336,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
                 score = part.T @ left
                 right[where] += score
                 squares += float(left @ left)
-                scores[source_of(one), len(one), block][where] += score
+                scores[one.file_name, len(one), block][where] += score
                 blocks.add((id(one), block))
     free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
     free[list(fitted.fit.solution.bounded)] = False

@@ -100,7 +100,7 @@ def prepare(
         raise NotIdentifiableError(
             f"no sample counts between the first {valid.start} and the last {len(recording) - valid.stop}, in which "
             "the ends of the recording affect the acceleration",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="record longer before and after them, or choose a higher cut-off",
         )
     counted = np.flatnonzero(inside)
@@ -117,7 +117,7 @@ def prepare(
             motion = motion._replace(payload=share if motion.payload is None else motion.payload + share)
         tau = model.row_torque(tau, motion, {})
     except ExoidError as error:
-        raise error if error.where else error.within(source_of(recording)) from None
+        raise error if error.where else error.within(recording.file_name) from None
     tau = preparation.filter(tau, rate) if parallel is None else tau
     counting = np.logical_and.outer(model.measured_rows(measured), inside).T  # joint by joint, as the other masks
     pulses = None
@@ -140,7 +140,7 @@ def prepare(
 
 def _without_torque(recording: Recording) -> ExoidError:
     """Make the error about a recording without any torque, which may have currents or forces."""
-    where, joint = source_of(recording), recording.joint_names[0]
+    where, joint = recording.file_name, recording.joint_names[0]
     for quantity, prefix, name, unit in (
         ("current", "i", "motor currents", "A"),
         ("force", "f", "forces", "N"),
@@ -310,13 +310,8 @@ def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     missing = [name for name in names if name not in recording.joint_names]
     raise UnreadableInputError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
-        where=source_of(recording),
+        where=recording.file_name,
         remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
         command=f"rename its columns, or map them: --column q_{missing[0]}=HEADER --column tau_{missing[0]}=HEADER",
         joints=tuple(missing),
     )
-
-
-def source_of(data: Recording | Poses) -> str:
-    """Name of the file, for errors; "" for one made in memory."""
-    return data.source.name if data.source else ""

@@ -26,7 +26,7 @@ def refuse_unknown_links(leg: Leg, recording: Recording) -> None:
                 raise BadArgumentError(
                     f"a {kind} of {link!r}, which is no link of the leg"
                     + (f"; closest: {', '.join(close)}" if close else ""),
-                    where=recording.source.name if recording.source else "",
+                    where=recording.file_name,
                     remedy=f"name a link of the URDF: {', '.join(links)}; or say where a heel or toe is, "
                     'contacts={"<foot>_heel": (x, y, z)} of the leg',
                     command=f"name a link of the URDF in the header ({kind}_<link>…), or map its columns: "
@@ -98,7 +98,7 @@ def _root_placement(leg: Leg, recording: Recording) -> tuple[FloatArray, FloatAr
         if recording.base.pose is None:
             raise NotSupportedError(
                 "the pose of the base is not known: an IMU does not measure it",
-                where=recording.source.name if recording.source else "",
+                where=recording.file_name,
                 remedy="record it, exoid.BaseMotion.from_pose(...) or from_imu(..., pose=exoid.BasePose(...))",
                 command="add the columns base_x…z, base_qx…w of a pose",
             )

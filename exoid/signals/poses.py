@@ -59,6 +59,11 @@ class Poses:
         payloads = f"; payloads: {', '.join(map(str, self.payloads))}" if self.payloads else ""
         return f"Poses({len(self)} poses; joints: {', '.join(self.joint_names)}{payloads})"
 
+    @property
+    def file_name(self) -> str:
+        """Name of the file, for messages; "" for poses made in memory."""
+        return self.source.name if self.source else ""
+
     def take(self, rows: slice) -> Poses:
         """Select poses.
 

@@ -99,7 +99,7 @@ def derive(
     if samples <= head + tail:
         raise UnreadableInputError(
             f"{samples} samples are too few: the filters distort {head} at the beginning and {tail} at the end",
-            where=recording.source.name if recording.source else "",
+            where=recording.file_name,
             remedy="record longer or choose a higher cut-off; of a longer log, pass all with Recording.segments",
         )
     # The acceleration is derived from q even if v was recorded, because drives filter the velocity they report. On the

@@ -157,7 +157,7 @@ class Recording(RecordingData):
             if name not in self.joint_names:
                 raise BadArgumentError(
                     f"no joint {name!r} in the recording; it has: {', '.join(self.joint_names)}",
-                    where=self._file,
+                    where=self.file_name,
                     remedy="select among those, or read the log with columns={'q_<joint>': <header>}",
                     command=f"record it, or map its columns, e.g. --column q_{name}=HEADER --column tau_{name}=HEADER",
                 )
@@ -205,7 +205,7 @@ class Recording(RecordingData):
             if first == last:
                 raise BadArgumentError(
                     f"no sample in the segment from {start:.6g} s to {stop:.6g} s",
-                    where=self._file,
+                    where=self.file_name,
                     remedy=f"the recording lasts from {self.time[0]:.6g} s to {self.time[-1]:.6g} s",
                 )
             inside[first:last] = True
@@ -233,7 +233,7 @@ class Recording(RecordingData):
         Raises:
             ExoidError: A time is no number, or fewer than 10 samples are left; names the times of the recording.
         """
-        where = self._file
+        where = self.file_name
         low = -np.inf if start is None else start
         high = np.inf if stop is None else stop
         for limit in (low, high):

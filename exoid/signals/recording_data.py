@@ -52,7 +52,7 @@ class RecordingData:
     contacts: Mapping[str, BoolArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        with in_file(self._file):
+        with in_file(self.file_name):
             self._freeze()
             self._check()
 
@@ -109,8 +109,8 @@ class RecordingData:
             checks.refuse_velocity_in_other_unit(self.time, self.q, self.v, names)
 
     @property
-    def _file(self) -> str:
-        """Name of the file, for messages."""
+    def file_name(self) -> str:
+        """Name of the file, for messages; "" for one made in memory."""
         return self.source.name if self.source else ""
 
     def _arrays(self) -> dict[str, Any]:

@@ -360,7 +360,7 @@ class TorqueModel:
                     raise BadArgumentError(
                         f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
                         f"{np.abs(torque).max():.3g} N·m",
-                        where=recording.source.name if recording.source else "",
+                        where=recording.file_name,
                         remedy="leave its torque out, or take it for an independent joint and another one as dependent",
                         joints=(name,),
                     )

@@ -11,7 +11,7 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.estimate import Estimate
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
@@ -108,7 +108,7 @@ def refuse_readings(rows: FloatArray, before: FloatArray, rate: float, names: tu
 
 def observed_log(source: ModelSource, recording: Recording, rate: float) -> Recording:
     """Pick what an observer reads from a log, joints in the order of the leg, with torques, at its rate."""
-    where = source_of(recording)
+    where = recording.file_name
     model = source.model if isinstance(source, Estimate) else TorqueModel(ControlModel.of(source).leg, ())
     if isinstance(source, Estimate) and source.actuators is not None:
         recording = source.actuators.torque(recording)

@@ -12,7 +12,7 @@ from exoid.estimate import EstimateData
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.ground_validation import compare_on_ground, stands, wrench_variance
 from exoid.regression.every_row import each_row
-from exoid.regression.rows import Prepared, for_leg, prepare, source_of
+from exoid.regression.rows import Prepared, for_leg, prepare
 from exoid.signals import Preparation, Recording
 
 SETTLED = 0.05
@@ -62,13 +62,13 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     if not len(time):
         raise NotIdentifiableError(
             "no sample is so far from the ends of the recording that filters have settled",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="record longer, or choose a higher cut-off",
         )
     if not np.isfinite(torque).all():
         raise UnreadableInputError(
             "the estimate gives no finite torque for this motion",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="check units and spikes of the angles (exoid check)",
         )
     size, level = np.where(share < SETTLED, np.abs(friction), np.nan), np.abs(friction).max(axis=0)

@@ -9,7 +9,6 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.regression.rows import source_of
 from exoid.signals import Recording
 
 
@@ -78,7 +77,7 @@ def _checked(recording: Recording, strides: ArrayLike) -> FloatArray:
         raise BadArgumentError(
             f"{np.size(times)} strides that do not rise, or are not within {recording.time[0]:g} to "
             f"{recording.time[-1]:g} s",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="give the times at which strides begin [s], two or more, in order",
         )
     return times

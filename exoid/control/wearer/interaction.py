@@ -24,7 +24,7 @@ from exoid.estimate.validation_checks import (
 )
 from exoid.identification.findings.channels import channel_findings
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
@@ -260,7 +260,7 @@ def interaction(
     estimate, (recording,) = to_predict(estimate, [recording], actuators)
     chosen = TorqueFilter.of(estimate, cutoff)
     recording = for_leg(estimate.model, as_trained(estimate, recording))
-    name, measured = source_of(recording), recording.measured
+    name, measured = recording.file_name, recording.measured
     even, preparation = recording.resampled(), chosen.preparation
     rate = even.sample_rate
     fraction = preparation.independent_fraction(rate)

@@ -16,7 +16,7 @@ from exoid.identification.problem import Problem
 from exoid.regression.fit import wls
 from exoid.regression.problem import Fit
 from exoid.regression.residuals import fit_noise
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
@@ -120,7 +120,7 @@ def _refuse_what_it_lacks(problem: Problem) -> None:
         lacks = lacks or (f"what acts on {', '.join(links)}" if links else "")
         if lacks:
             what = f"ml fits motions of the leg in the air, without {lacks}"
-            raise NotSupportedError(what, where=source_of(data), remedy="use wls, huber or ols")
+            raise NotSupportedError(what, where=data.file_name, remedy="use wls, huber or ols")
 
 
 def smooth(model: TorqueModel) -> TorqueModel:

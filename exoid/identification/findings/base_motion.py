@@ -10,7 +10,7 @@ from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import BaseMotion, Recording
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.moving_base import base_during
@@ -45,7 +45,7 @@ def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
         power = np.maximum(np.mean(whole**2, axis=0), np.finfo(float).tiny)
         shares = np.sqrt(np.mean(extra**2, axis=0) / power)
         if shares.max() > worst.max():
-            worst, name = shares, source_of(one)
+            worst, name = shares, one.file_name
     for j, joint in enumerate(model.joint_names):
         share = float(worst[j])
         if share > 0.01:
@@ -80,7 +80,7 @@ def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
             "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
             "finds its bias"
         )
-        doubtful, where = fitted.model.leg.parameter_names, source_of(one)
+        doubtful, where = fitted.model.leg.parameter_names, one.file_name
         yield Finding("gravity-size", "", error, "m/s²", "warning", message, remedy, None, doubtful, where)
 
 

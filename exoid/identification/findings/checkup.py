@@ -14,7 +14,7 @@ from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.late_velocity import late_velocities
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
@@ -69,7 +69,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
             continue
         chosen = for_leg(model, one)
         recordings.append(chosen)
-        names.append(source_of(one))
+        names.append(one.file_name)
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
             checks = channel_findings, wraps, angle_jumps, missing_samples, stamp_jitter, late_velocities

@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.model_error import COUNT, AlternativeFriction
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare, source_of
+from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.recording_data import change_samples
 from exoid.torques import Motion, TorqueModel
@@ -153,7 +153,7 @@ def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> 
     rows = [_rows(fitted, one, prepared, values, other) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)
-    return evidence._replace(ranges=ranges, sources=[source_of(one) for one, _ in ready])
+    return evidence._replace(ranges=ranges, sources=[one.file_name for one, _ in ready])
 
 
 def _rows(

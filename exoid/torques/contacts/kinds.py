@@ -11,7 +11,6 @@ from exoid._typing import BoolArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
-from exoid.regression.rows import source_of
 from exoid.signals import Recording
 
 FEWEST, LATEST = 4, 0.02
@@ -82,7 +81,7 @@ def on_time(leg: Leg, recording: Recording) -> tuple[Recording, dict[str, float]
 
 def refuse_overdetermined(leg: Leg, recording: Recording) -> None:
     """Refuse a foot that is flat and on an edge at once, and one that more contacts hold than two points."""
-    contacts, where = recording.contacts, source_of(recording)
+    contacts, where = recording.contacts, recording.file_name
     for foot, edges in _by_foot(leg, list(contacts)).items():
         for edge in edges:
             both = int(np.count_nonzero(contacts[edge] & contacts[foot])) if foot in contacts else 0

@@ -14,7 +14,6 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.regression.rows import source_of
 from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench
 from exoid.signals.filters.low_pass import slow_part
@@ -167,14 +166,14 @@ def split(
     if not found and floating.any():
         raise UnreadableInputError(
             "the base moves, and no motion of it was recorded while no link rests flat on the ground",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say "
             "when feet are flat on the ground (contacts=)",
         )
     if not found:
         raise NotIdentifiableError(
             "no sample is left of contacts that last, do not slip and leave a row of the equation",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="check the contacts, record longer stance, or measure the wrenches",
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
@@ -211,7 +210,7 @@ def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], ro
     if rail in recording.passive and rows.loop is not None and not rows.loop.shape[2]:
         raise NotIdentifiableError(
             f"the {leg.contact_kind(foot)} contact of {foot} holds all joints; nothing else tells what {rail} bears",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy=f'say that {foot} rests on a point, contacts={{"{foot}": "point"}}, or measure its force',
             command=f"say that {foot} rests on a point, --contact {foot}=point, or measure its force",
             joints=(rail,),
@@ -230,7 +229,7 @@ def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:
     if size > 0.5 * GRAVITY:
         raise UnreadableInputError(
             f"no contact and no wrench is there, and the accelerometer of the base reads {size:.3g} m/s²: it is held",
-            where=source_of(recording),
+            where=recording.file_name,
             remedy="say what holds it: a hook or a stand by a contact of its link, a load cell there by a wrench",
         )
 

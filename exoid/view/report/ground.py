@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate, ground_forces
 from exoid.estimate.ground_prediction import GroundForce, level_wrench
-from exoid.regression.rows import for_leg, source_of
+from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.tools.tables import DataTable
@@ -46,7 +46,7 @@ def ground_blocks(estimate: Estimate, recordings: Sequence[Recording]) -> Iterat
     """Show the forces of the ground on resting feet: a table of all recordings, and pictures over time."""
     if not estimate.supports or not estimate.model.leg.base_rows:
         return
-    each = [(source_of(recording) or "array", list(_feet(estimate, recording))) for recording in recordings]
+    each = [(recording.file_name or "array", list(_feet(estimate, recording))) for recording in recordings]
     rows = [_row(name, foot) for name, feet in each for foot in feet]
     if not rows:
         return

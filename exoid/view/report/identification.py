@@ -11,7 +11,6 @@ from exoid.errors import BadArgumentError, ExoidError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import ordered, verdict_line
 from exoid.estimate.text import assumptions
-from exoid.regression.rows import source_of
 from exoid.signals import Recording
 from exoid.signals.preparation import preparation_to_json
 from exoid.tools.tables import DataTable
@@ -99,7 +98,7 @@ def summary(estimate: Estimate, tested: Sequence[RecordingPrediction]) -> list[s
 def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
     """Replay the beginning of a recording in three dimensions."""
     shown = recording.between(recording.time[0], recording.time[0] + SHOWN_SECONDS)
-    part = shown_part(recording.time, source_of(recording) or "array")
+    part = shown_part(recording.time, recording.file_name or "array")
     try:
         replay = scene(estimate, recording=shown)
         page = EmbeddedPage(replay.html(), f"{replay.title} in three dimensions")

@@ -45,7 +45,7 @@ class Standing:
         if pose is None and any(wrench.axes == "world" for wrench in recording.wrenches.values()):
             raise BadArgumentError(
                 "a wrench in the laboratory cannot be drawn where the pose of the base is not known",
-                where=recording.source.name if recording.source else "",
+                where=recording.file_name,
                 remedy='record the pose, exoid.BaseMotion.from_pose(...), or give wrenches with axes="link"',
             )
         contacts = _contacts(leg, replay)
