@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
 from exoid.regression.least_squares import scaled_inverse
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.standing_base import StandingBase
@@ -115,7 +114,7 @@ def _without(
     footing: Footing | None, kind: str, joint: int, size: float, model: TorqueModel, one: Recording
 ) -> Recording:
     """Take a fault of a size out of a recording."""
-    one, own = for_leg(model, one), size * (np.arange(len(model.joint_names)) == joint)
+    own = size * (np.arange(len(model.joint_names)) == joint)
     if kind != "angle-offset":
         if one.tau is None:
             return one

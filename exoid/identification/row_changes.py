@@ -23,7 +23,6 @@ from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg
 from exoid.signals import BaseMotion, Recording, without_torque_delay
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import CorrectedBase, ImuErrors
@@ -226,10 +225,10 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
 
-    def with_delay(joint: int) -> Problem:
-        return changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), {joint: DELAY}))
+    def shifted(delays: Mapping[int, float]) -> Problem:
+        return changed(problem, parts, lambda _, one: without_torque_delay(one, delays))
 
-    late = [with_delay(joint) for joint in range(len(joints))]
+    late = [shifted({joint: DELAY}) for joint in range(len(joints))]
     every = np.ones(len(late))
     found = row_changes(fitted, Effects(late, DELAY * every, 0.1 * every, 0.0 * every))
     # Residuals are correlated: rows count by a third. On 60 machines without delay, of 80 values none was beyond 4.5
@@ -239,9 +238,8 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     size = np.where(np.abs(found.values) > 2e-4, np.abs(found.values), 0.0)
     doubtful = (size > 0.5 * half) & (size < 1.5 * half)
     if doubtful.any():  # the residuals that tell the noise contain the delay: take it out, and see what is left
-        by_joint = {k: float(found.values[k]) for k in np.flatnonzero(size > 0.5 * half).tolist()}
-        shifted = changed(problem, parts, lambda model, one: without_torque_delay(for_leg(model, one), by_joint))
-        left = rms_residuals(shifted, parts, wls(shifted).solution.values)
+        on_time = shifted({k: float(found.values[k]) for k in np.flatnonzero(size > 0.5 * half).tolist()})
+        left = rms_residuals(on_time, parts, wls(on_time).solution.values)
         left /= np.maximum(rms_residuals(problem, parts, fitted.fit.solution.values), TINY)
         rows = [name for k in parts for name in problem.groups[k].model.row_names]  # of joints, or combinations of them
         share = [max((x for x, row in zip(left, rows, strict=True) if row == name), default=1.0) for name in joints]
@@ -379,23 +377,16 @@ def residual(rows: Rows, values: FloatArray) -> FloatArray:
 
 def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     """Try other signs and orders of the torques of some groups where the fit is poor; else look for delays."""
-    logged = _with_torques(fitted.problem, parts, None)
-    joints = (
-        "torque-scale",
-        "angle-offset",
-        "unmodelled-force",
-    )  # another sign may look alike, and was tried beside them
-    named = any(one.kind in joints for one in fitted.findings)
-    best = None if named else best_reading(logged, parts)
+    model = fitted.problem.groups[parts[0]].model
+    # beside the fault of a single joint, which another sign may look like, signs were tried
+    named = any(one.kind in ("torque-scale", "angle-offset", "unmodelled-force") for one in fitted.findings)
+    best = None if named else best_reading(fitted.problem, parts)
     if best is not None:
-        names = logged.groups[parts[0]].model.names
         text = f"{best.message}: the log fits by far better"
-        yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=names)
+        yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=model.names)
         return
     kind = KINDS["torque-delay"]
-    for joint, delay, half in zip(
-        logged.groups[parts[0]].model.joint_names, *torque_delays(fitted, parts), strict=True
-    ):
+    for joint, delay, half in zip(model.joint_names, *torque_delays(fitted, parts), strict=True):
         if abs(delay) > (kind.least or 0.0):
             text = f"the torque of {joint} comes {1e3 * abs(delay):.3g} ms {kind.signs[int(delay < 0.0)]}"
             interval = (float(delay - half), float(delay + half))
@@ -407,11 +398,11 @@ def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None =
     plain, *others = readings(problem.groups[parts[0]].model.joint_names)
     signs = [one for one in others if one.kind != "torque-scale"]  # another scale only parts a torque from the others
     of_torques = [one for one in signs if (one.angles, one.angle_order) == (plain.angles, plain.angle_order)]
-    as_logged, torques = _misfit(problem, parts, plain), rms_residuals(problem, parts, np.zeros(len(problem.names)))
+    as_logged, torques = _misfit(problem, parts), rms_residuals(problem, parts, np.zeros(len(problem.names)))
     if as_logged is None or not (as_logged > 0.25 * POOR * torques)[torques > 0.0].any():
         return None
     best, most = None, 2.0 * np.log(FITS_BETTER)
-    if rival is not None and (misfit := _misfit(rival, parts, plain)) is not None:
+    if rival is not None and (misfit := _misfit(rival, parts)) is not None:
         most = max(most, float(np.sum(np.log(as_logged / misfit))) + 2.0 * np.log(CLEARLY))
     for reading in of_torques:
         misfit = _misfit(problem, parts, reading)
@@ -420,27 +411,22 @@ def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None =
     return best
 
 
-def _misfit(problem: Problem, parts: Sequence[int], reading: Reading) -> FloatArray | None:
-    """RMS residual of each row of some groups with torques read otherwise; None where they cannot be fitted."""
-    # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
-    try:  # a passive joint has no torque of another
-        problem = _with_torques(replace(problem, given=replace(problem.given, nonnegative=True)), parts, reading)
-        values = wls(problem).solution.values
-    except (ExoidError, np.linalg.LinAlgError):
-        return None
-    return np.maximum(rms_residuals(problem, parts, values), 1e-9)
+def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = None) -> FloatArray | None:
+    """RMS residual of each row of some groups, with torques read otherwise; None where they cannot be fitted."""
 
-
-def _with_torques(problem: Problem, parts: Sequence[int], reading: Reading | None) -> Problem:
-    """Read the torques of some groups otherwise; None for as they are logged, with the joints of the leg."""
-
-    def read(model: TorqueModel, one: Recording) -> Recording:
-        one = for_leg(model, one)
+    def read(_: TorqueModel, one: Recording) -> Recording:
         if reading is None or one.tau is None:
             return one
         return replace(one, tau=one.tau[:, list(reading.torque_order)] * reading.torques)
 
-    return changed(problem, parts, read)
+    # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
+    problem = replace(problem, given=replace(problem.given, nonnegative=True))
+    try:  # a passive joint has no torque of another
+        problem = problem if reading is None else changed(problem, parts, read)
+        values = wls(problem).solution.values
+    except (ExoidError, np.linalg.LinAlgError):
+        return None
+    return np.maximum(rms_residuals(problem, parts, values), 1e-9)
 
 
 def rms_residuals(problem: Problem, parts: Sequence[int], values: FloatArray) -> FloatArray:
