@@ -23,8 +23,7 @@ from exoid.torques import TorqueModel
 
 SAMPLES, RATE, ROUNDS = 200_000, 500.0, 3
 RATIO, WHOLE = 5.0, 0.3
-"""Below these something has become slower. The loop takes 0.4 or 0.6 s, by whether its pages are fresh: the ratios are
-7.5 to 9.9 and 0.47 to 0.77 for the same program."""
+"""Below these something has become slower: the same program had 7.5 to 9.9 and 0.47 to 0.77."""
 BYTES = 40.0
 """Growth of memory with each sample beyond the data."""
 

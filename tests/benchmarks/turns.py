@@ -1,7 +1,6 @@
 """Times that can be compared: several works in one process, in turns, the best of each.
 
-What a processor's caches and memory are good at moves these ratios by a third for the same program. An alarm therefore
-rings at two thirds of the worst ratio that any machine has shown. BENCHMARKS.md has the ratios themselves.
+An alarm rings at two thirds of the worst ratio that any machine has shown: caches alone move ratios by a third.
 """
 
 import gc

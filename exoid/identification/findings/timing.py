@@ -73,7 +73,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     windows, to_middle = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=1), 0.5 * WINDOW
     before, after = windows[:, :-WINDOW], windows[:, WINDOW:]
     jump = after @ (level - to_middle * slope) - before @ (level + to_middle * slope)
-    velocity = 0.5 * (after @ slope + before @ slope) * rate
+    behind, ahead = before @ slope, after @ slope
+    velocity = 0.5 * (ahead + behind) * rate
     steps = np.diff(q, axis=1)
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
     rests, count = steps == 0.0, len(recording) - WINDOW + 1
@@ -93,6 +94,9 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
         return
     odd &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
     odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
+    # Where a leg turns back or meets the ground, angles jump by at most twice what their velocities change in a sample
+    usual = np.maximum(np.sqrt(np.mean((ahead - behind) ** 2, axis=1, keepdims=True)), 1e-300)
+    odd &= np.max(np.abs(jump) / usual, axis=0) > 2.0 * np.max(np.abs(ahead - behind) / usual, axis=0)
     peaks, _ = scipy.signal.find_peaks(np.pad(size * odd, 1), distance=2 * WINDOW + 1)  # of each group of neighbours
     if not len(peaks):
         return

@@ -92,8 +92,7 @@ def test_an_angle_that_jumps_and_stays_is_named_and_spikes_stops_and_lost_sample
         return [(f.joint, f.value) for f in found if f.kind == "angle-jump"]
 
     ((joint, value),) = jumps(lambda x: x + 0.03 * later)
-    assert joint == leg.joint_names[1]
-    assert value == pytest.approx(0.03, rel=0.1)
+    assert (joint, value) == (leg.joint_names[1], pytest.approx(0.03, rel=0.1))
     assert jumps(lambda x: x + 0.03 * (np.arange(len(x)) == 1234)) == []  # a spike
     assert jumps(lambda x: np.where(later, 2.0 * x[1234] - x, x)) == []  # an impact turns the motion round
     shaken = with_column(log, "q", 0, lambda x: x + 0.03 * (np.arange(len(x)) > 1236))  # an impact shakes all joints
@@ -103,18 +102,17 @@ def test_an_angle_that_jumps_and_stays_is_named_and_spikes_stops_and_lost_sample
     assert "angle-jump" not in kinds(exoid.check(leg, lost))
 
 
-@pytest.mark.parametrize(("lost", "words"), [((300,), "1 gap although"), ((300, 700), "2 gaps although")])
-def test_gaps_are_counted_where_samples_are_missing(lost, words):
+@pytest.mark.parametrize("lost", [(300,), (300, 700)])
+def test_gaps_are_added_where_samples_are_missing(lost):
     kept = np.setdiff1d(np.arange(1200), [k + j for k in lost for j in range(6)])
     q = 0.5 * np.sin(2.0 * kept / 100.0)[:, None]
     log = exoid.Recording(np.arange(len(kept)) / 100.0, q, tau=q, joint_names=("hip",))
     (finding,) = missing_samples(log)
-    assert finding.message.startswith(words)
     assert finding.value == pytest.approx(0.06 * len(lost), rel=0.05)
     assert (finding.interval is None) == (len(lost) > 1)
 
 
-def test_a_joint_at_rest_does_not_hide_lost_samples_and_a_frozen_one_is_none():
+def test_a_joint_at_rest_does_not_hide_lost_samples_and_a_frozen_one_or_a_bounce_is_none():
     """Encoders of 13 bits; the knee stands while the hip moves."""
     t, count = np.arange(1200) / 500.0, 2.0 * np.pi / 2**13
     q = np.rint(np.column_stack([0.5 * np.sin(4.0 * t), 0.0 * t + 0.3]) / count) * count
@@ -125,6 +123,7 @@ def test_a_joint_at_rest_does_not_hide_lost_samples_and_a_frozen_one_is_none():
     held = q.copy()
     held[700:730, 0] = held[700, 0]  # and jumps to where it should be
     assert not [*missing_samples(dataclasses.replace(log, time=t, q=held, tau=held))]
-    wrapped = q.copy()
-    wrapped[700:, 0] += 2.0 * np.pi  # an encoder that passes its zero, while the knee stands
+    wrapped = q + 2.0 * np.pi * np.outer(t >= t[700], [1.0, 0.0])  # passes the encoder's zero, while the knee stands
     assert not [*missing_samples(dataclasses.replace(log, time=t, q=wrapped, tau=wrapped, largest_angle=np.inf))]
+    bounces = np.abs(np.sin(4.0 * t + 1.0))[:, None] * [1.0, -0.5] + np.random.default_rng(0).normal(0.0, 3e-5, q.shape)
+    assert not [*missing_samples(dataclasses.replace(log, time=t, q=bounces, tau=bounces))]
