@@ -34,12 +34,9 @@ from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import LEAN, PIVOT, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
 
-FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
-LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
-FAR_OFF = 0.05  # a sensor this far from where the log says moves the mass of a machine by percents [m]
 STRONGEST = 1e4  # torque that no joint of a machine that stands has [N·m]
 MANY = 2000  # samples that the reference of closed chains is chosen for
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
@@ -278,7 +275,8 @@ def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Findi
             advice = (
                 f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
             )
-            yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
+            # 5 cm move the mass of a machine by percents
+            yield Finding("imu-position", "", size, "m", "error" if size > 0.05 else "warning", text, advice)
 
 
 def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:
@@ -406,17 +404,18 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArra
     residuals = [(rows.time, residual(rows, values)) for rows in map(group.decimated, range(len(group.data)))]
     sizes = [np.abs(row[row != 0.0]) for row in np.vstack([left for _, left in residuals]).T]
     # by the median, which outliers do not move, or by up to twice as much where noise is not the same at all times; not
-    # for feet that carry the base: slips look alike. But at least by a small part of the torque of the row
+    # for feet that carry the base: slips look alike. But at least by a small part of the torque of the row, within
+    # which are errors of filters, and no wrong contacts
     quantiles = np.array([np.quantile(x, (0.5, 0.9)) if len(x) else (np.inf, np.inf) for x in sizes])
     middle, most = quantiles.T / [[0.6745], [1.6449]]  # those of normal noise
     stands = any(isinstance(one, Recording) and isinstance(one.base, StandingBase) for one in group.data)
     middle = middle if stands else np.clip(most, middle, 2.0 * middle)
-    scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
+    scale = np.maximum(middle, 0.003 * rms_residuals(problem, [index], np.zeros(len(problem.names))))
     for one, (time, left) in zip(group.data, residuals, strict=True):
         assert isinstance(one, Recording)
         assert one.mask is not None  # see `split`
         far = np.zeros(len(one), dtype=np.bool_)
-        far[np.searchsorted(one.time, time[(np.abs(left) > FAR * scale).any(axis=1)])] = True
+        far[np.searchsorted(one.time, time[(np.abs(left) > 6.0 * scale).any(axis=1)])] = True
         near = scipy.ndimage.binary_dilation(far, iterations=round(EDGE * one.sample_rate))
         found.append((one, one.mask, one.mask & near))
     return found

@@ -26,9 +26,6 @@ from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 SOLES: Mapping[str, Mapping[str, Sole]] = MappingProxyType({"bleex": BLEEX_SOLES, "cuhk": CUHK_SOLES})
 """Soles of the built-in machines."""
 
-KNOWN_WEIGHT = 0.1
-"""Largest relative standard deviation of the total mass with which weight is carried; a guess, not a measurement."""
-
 BRAKE = 5.0
 """Damping of the joints while nothing touches the ground [N·m·s/rad], an assumption."""
 
@@ -196,7 +193,7 @@ def _refuse_unknown_weight(source: Estimate) -> None:
     if "M" not in source.names:
         return  # the base does not float, or the machine is not planar: refused as such
     mass = source["M"]
-    if not mass.std <= KNOWN_WEIGHT * abs(mass.value):
+    if not mass.std <= 0.1 * abs(mass.value):  # a guess, not a measurement
         raise NotIdentifiableError(
             f"the estimate does not know the total mass: M = {mass.value:.3g} ± {mass.std:.3g} kg",
             where=source.leg.description.name,

@@ -19,9 +19,6 @@ from exoid._typing import FloatArray
 
 from .parallel import ParallelFilter
 
-PIECE = 256
-"""Rows that are projected together, about, if they are as far apart as the filter allows."""
-
 LONGEST_PIECE = 2
 """Such a piece is never longer than so many times that."""
 
@@ -77,7 +74,8 @@ def without_reversals(
     left = [of_joint.copy() for of_joint in signals]
     taken = [[np.zeros((len(of_joint), 0))] for of_joint in signals]
     energy = np.zeros(len(left))
-    size = max(1, PIECE * parallel.stride // rows.step)
+    # about 256 rows, as far apart as the filter allows, are projected together
+    size = max(1, 256 * parallel.stride // rows.step)
     blocks = range(0, len(rows), block or max(1, len(rows)))
     clusters = [
         _Cluster(joint, slice(first + piece.start, first + piece.stop), together)
