@@ -116,6 +116,8 @@ def frozen_torque(channel: Channel) -> Iterator[Finding]:
     """Find times in which a torque keeps one value although the leg moves."""
     travel = 0.05 * np.ptp(channel.others, axis=0)  # of a joint that moves
     every = channel.long_runs(FROZEN_TORQUE)
+    # A coarse sensor leaves a value by its smallest step, and one that was frozen by a jump
+    every = [run for run in every if run[1] == len(channel.x) or channel.steps[run[1] - 1] > 1.5 * quantum(channel.x)]
     yield from _frozen(channel, [run for run in every if (np.ptp(channel.others[slice(*run)], axis=0) > travel).any()])
 
 
