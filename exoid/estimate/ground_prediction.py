@@ -19,8 +19,8 @@ from exoid.leg.torso import MovingBase
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg
-from exoid.signals import BaseMotion, Recording, Wrench
-from exoid.signals.cutoff import white_noise
+from exoid.signals import Recording, Wrench
+from exoid.signals.cutoff import noisier, noisier_base
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
@@ -157,19 +157,17 @@ def stretch_forces(
 
 def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Generator) -> Iterator[Recording]:
     """Add the noise of the angles, of wrenches, and of the base where it was measured, once more; lean the ground."""
-    size, base = white_noise(recording.q), recording.base
+    base = recording.base
     # Noise is added to a motion three times, to see what it does to forces. The ground changes in each direction once,
     # by √3 of its standard deviation: the mean square of the effects is the sum of those of each.
     root = np.linalg.cholesky(ground.covariance)
     for k in range(3):
-        q, wrenches = recording.q + size * rng.standard_normal(recording.q.shape), {}
+        q, wrenches = noisier(recording.q, rng), {}
         for link, wrench in recording.wrenches.items():
-            force, moment = (x + white_noise(x) * rng.standard_normal(x.shape) for x in (wrench.force, wrench.moment))
-            wrenches[link] = replace(wrench, force=force, moment=moment)
+            wrenches[link] = replace(wrench, force=noisier(wrench.force, rng), moment=noisier(wrench.moment, rng))
         shaken = replace(recording, q=q, wrenches=wrenches)
         if base is not None and not isinstance(base, StandingBase):
-            columns = base.columns + white_noise(base.columns) * rng.standard_normal(base.columns.shape)
-            shaken = replace(shaken, base=BaseMotion(columns[:, :3], columns[:, 3:], base.position))
+            shaken = replace(shaken, base=replace(noisier_base(base, rng), pose=None))
         yield ground.under(leg, shaken, np.sqrt(3.0) * root[:, k] if k < len(root) else np.zeros(len(root)))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from exoid.actuators import Actuators, Coupling, Drive
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, prepare
-from exoid.signals import Preparation, Recording
+from exoid.signals import Recording
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
@@ -240,54 +240,55 @@ def validate(
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
     recording, found = without_late_velocity(as_trained(estimate, recording))
-    chosen_joints = for_leg(estimate.model, recording)
-    rate = chosen_joints.sample_rate
-    preparation = chosen.preparation
+    data, preparation = for_leg(estimate.model, recording), chosen.preparation
+    rate, ranges = data.sample_rate, None
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
     if stands(estimate, recording):
-        compared, ranges = compare_on_ground(estimate, recording, preparation, bandwidth), None
+        compared = compare_on_ground(estimate, recording, preparation, bandwidth)
     else:
-        compared, ranges = _compare(estimate, chosen_joints, preparation, bandwidth)
+        model, count, parts = estimate.band_model, len(estimate.values), []
+        prepared = prepare(estimate.model, data, preparation, every=True)
+        prepared = prepared._replace(motion=model.with_states(prepared.motion))
+        for rows in each_row(model, prepared):
+            of_block = np.zeros_like(rows.tau) if rows.known is None else rows.known
+            spread = estimate.measured_variance(rows.W, bandwidth)
+            spread = spread + wrench_variance(estimate, data, preparation, rows.q)
+            torque = rows.W[..., :count] @ estimate.values
+            parts.append((rows.time, rows.tau + of_block, torque + of_block, spread, of_block))
+        compared = Compared(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+        used, motion = prepared.inside, prepared.motion
+        ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
     time, measured, predicted, variance, known = compared
-    half = half_width(LEVEL, estimate.dof) * np.sqrt(variance)
-    name = recording.file_name
-    measured[:, ~chosen_joints.measured] = np.nan
-    wrench = known if recording.wrenches else np.zeros_like(known)
-    how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}
-    alone = Validation(estimate.joint_names, time, measured, predicted, name or "array", **how)
-    found = [*found, *shifted_torques(estimate)]
-    found += [] if ranges is None else extrapolations(estimate, ranges)
-    joints = slice(estimate.model.leg.base_rows, None)
-    # White noise of force plates is no growth of the residual.
-    by_plates = wrench_variance(estimate, chosen_joints, preparation, chosen_joints.q).mean(axis=0)[joints]
-    growth = np.ones_like(alone.rmse)
-    if chosen.comparable:
+    measured[:, ~data.measured] = np.nan
+    how: dict[str, Any] = {
+        "half_width": half_width(LEVEL, estimate.dof) * np.sqrt(variance),
+        "filter": chosen,
+        "wrench_torque": known if recording.wrenches else np.zeros_like(known),
+    }
+    alone = Validation(estimate.joint_names, time, measured, predicted, data.file_name or "array", **how)
+    found += _findings(estimate, alone, data, ranges, bandwidth)
+    return replace(alone, findings=ordered([replace(one, recording=data.file_name) for one in found]))
+
+
+def _findings(
+    estimate: EstimateData, alone: Validation, data: Recording, ranges: MotionRanges | None, bandwidth: float
+) -> Iterator[Finding]:
+    """Judge the prediction of one recording; ranges of its motion are None on the ground."""
+    preparation, residual_rms = alone.filter.preparation, alone.rmse
+    yield from shifted_torques(estimate)
+    if ranges is not None:
+        yield from extrapolations(estimate, ranges)
+    growth = np.ones_like(residual_rms)
+    if alone.filter.comparable:
+        # White noise of force plates is no growth of the residual.
+        by_plates = wrench_variance(estimate, data, preparation, data.q).mean(axis=0)[estimate.model.leg.base_rows :]
         of_training = np.sqrt(bandwidth * estimate.residual_rms**2 + by_plates)
-        growth = np.divide(alone.rmse, of_training, out=growth, where=of_training > 0.0)
-        independent = len(time) * preparation.independent_fraction(rate)
+        growth = np.divide(residual_rms, of_training, out=growth, where=of_training > 0.0)
+        independent = len(alone.time) * preparation.independent_fraction(data.sample_rate)
         coverage = np.where(estimate.trained, alone.coverage, np.nan)
-        found += narrow_bands(estimate, coverage, independent)
-        found += late_torques(estimate.joint_names, time, predicted, alone.residual, coverage)
-    found += unmeasured_torques(estimate, chosen_joints.measured)
-    passive = np.isin(chosen_joints.joint_names, chosen_joints.passive)
-    found += wide_bands(estimate, _over_spread(np.sqrt(_mean(half**2)), measured - wrench), alone.coverage)
-    found += poor_predictions(estimate, alone.leg_nrmse, growth, passive)
-    return replace(alone, findings=ordered([replace(one, recording=name) for one in found]))
-
-
-def _compare(
-    estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float
-) -> tuple[Compared, MotionRanges]:
-    """Predict the torques of a recording block by block, and measure its motion."""
-    model, count = estimate.band_model, len(estimate.values)
-    prepared = prepare(estimate.model, recording, preparation, every=True)
-    prepared = prepared._replace(motion=model.with_states(prepared.motion))
-    parts = []
-    for rows in each_row(model, prepared):
-        known = np.zeros_like(rows.tau) if rows.known is None else rows.known
-        variance = estimate.measured_variance(rows.W, bandwidth)
-        variance = variance + wrench_variance(estimate, recording, preparation, rows.q)
-        parts.append((rows.time, rows.tau + known, rows.W[..., :count] @ estimate.values + known, variance, known))
-    used = prepared.inside
-    ranges = MotionRanges.of(prepared.motion.q[used], prepared.motion.v[used], prepared.motion.a[used])
-    return Compared(*(np.concatenate(part) for part in zip(*parts, strict=True))), ranges
+        yield from narrow_bands(estimate, coverage, independent)
+        yield from late_torques(estimate.joint_names, alone.time, alone.predicted, alone.residual, coverage)
+    yield from unmeasured_torques(estimate, data.measured)
+    width = np.sqrt(_mean(alone.half_width**2))
+    yield from wide_bands(estimate, _over_spread(width, alone.measured - alone.wrench_torque), alone.coverage)
+    yield from poor_predictions(estimate, alone.leg_nrmse, growth, np.isin(data.joint_names, data.passive))

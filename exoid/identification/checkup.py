@@ -13,7 +13,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings, without_torque_delay
-from exoid.signals.cutoff import white_noise
+from exoid.signals.cutoff import noisier, noisier_base
 
 from .estimators import Estimator
 from .estimators.by_name import fit_linear
@@ -76,12 +76,10 @@ def _noisier(problem: Problem, sign: float) -> Problem:
     rng = np.random.default_rng(0)
 
     def once_more(_: Group, one: Recording) -> Recording:
-        noisy = replace(one, q=one.q + sign * white_noise(one.q) * rng.standard_normal(one.q.shape))
+        noisy = replace(one, q=noisier(one.q, rng, sign))
         if one.base is None or one.base.pose is not None:
             return noisy
-        columns = one.base.columns
-        gyro, force = np.hsplit(columns + sign * white_noise(columns) * rng.standard_normal(columns.shape), 2)
-        return replace(noisy, base=replace(one.base, angular_velocity=gyro, specific_force=force))
+        return replace(noisy, base=noisier_base(one.base, rng, sign))
 
     return _with_motions(problem, once_more)
 

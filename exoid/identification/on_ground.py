@@ -18,7 +18,7 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, ZeroPhase, choose_cutoff
 from exoid.signals.base_checks import flies
-from exoid.signals.cutoff import white_noise
+from exoid.signals.cutoff import noisier_base
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors, beside
@@ -108,9 +108,7 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
                 continue
             if not hangs and (links or not flies(one.base.specific_force[one.mask])):
                 continue
-            noise = white_noise(one.base.columns) * rng.standard_normal(one.base.columns.shape)
-            gyro, force = np.hsplit(one.base.columns + noise, 2)
-            data[k] = replace(one, base=replace(one.base, angular_velocity=gyro, specific_force=force))
+            data[k] = replace(one, base=noisier_base(one.base, rng))
             found.append(float(np.sqrt(np.mean(one.base.specific_force[one.mask] ** 2))))
         groups.append(replace(group, data=tuple(data)))
     if not found:

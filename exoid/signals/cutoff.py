@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
+from .base_motion import BaseMotion
 from .poses import Poses
 from .preparation import KINEMATICS_MULTIPLE, LARGEST_RATIO, ZeroPhase
 from .recording import Recording
@@ -24,6 +26,17 @@ def white_noise(signals: FloatArray) -> FloatArray:
     """Standard deviation of white noise in smooth signals, by their fourth differences."""
     # the variance of these differences is 1² + 4² + 6² + 4² + 1² times that of the noise
     return np.asarray(robust_std(np.diff(signals, 4, axis=0)) / np.sqrt(70.0))
+
+
+def noisier(signals: FloatArray, rng: np.random.Generator, sign: float = 1.0) -> FloatArray:
+    """Add noise of its own size to smooth signals: what it does to a result, the noise that is there has done."""
+    return np.asarray(signals + sign * white_noise(signals) * rng.standard_normal(signals.shape))
+
+
+def noisier_base(base: BaseMotion, rng: np.random.Generator, sign: float = 1.0) -> BaseMotion:
+    """Add noise of their own size to the readings of a base."""
+    gyro, force = np.hsplit(noisier(base.columns, rng, sign), 2)
+    return replace(base, angular_velocity=gyro, specific_force=force)
 
 
 CUTOFFS = np.linspace(1.0, 8.0, 71)
