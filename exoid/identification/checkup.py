@@ -160,7 +160,7 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
     """Estimate by how much torques are late, and shift them: of every group of the problem that was fitted."""
     groups = []
     for group in problem.groups:
-        parts = [k for k, one in enumerate(fitted.problem.groups) if one.name == group.name]
+        parts = fitted.problem.parts(group.name)
         if fitted.problem.groups[parts[0]].links is None:
             leg = fitted_leg(fitted, parts[0])
             late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(leg.model.joint_names))

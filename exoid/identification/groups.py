@@ -129,8 +129,7 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
     values, blocks, dofs = [], [], []
     for index, (group, count) in enumerate(zip(groups, samples, strict=True)):
         known = layout.known_by(index, problem.prior_knowledge).known
-        of_group = tuple(rows for rows in problem.groups if rows.name == group)
-        alone = Problem(of_group, (), PriorKnowledge(known))
+        alone = Problem(tuple(problem.groups[k] for k in problem.parts(group)), (), PriorKnowledge(known))
         try:
             fit = fit_linear(alone, estimator).fit
         except ExoidError as error:

@@ -48,6 +48,10 @@ class Problem:
         """Known parameters, priors and signs, by the names of the layout."""
         return self.layout.spread(self.given)
 
+    def parts(self, name: str) -> list[int]:
+        """Places of the groups of one name: with contacts there is one for each set of links that rest."""
+        return [k for k, group in enumerate(self.groups) if group.name == name]
+
     @cached_property
     def places(self) -> list[NDArray[np.intp]]:
         """Indices in β of the parameters of each group's model."""

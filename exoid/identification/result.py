@@ -14,7 +14,7 @@ from exoid.estimate.comparison import equality_of
 from exoid.estimate.data import Input
 from exoid.estimate.estimate import Estimate
 from exoid.estimate.evidence import Evidence, Support
-from exoid.estimate.finding import Finding, ordered
+from exoid.estimate.finding import ordered
 from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.grouped import GroupedEstimate
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
@@ -37,7 +37,7 @@ from exoid.torques.contacts.support_model import LOOP, SupportModel
 from .checkup import fitted_leg
 from .estimators import Estimator
 from .estimators.by_name import name_of
-from .findings.checkup import Checkup, check_fit
+from .findings.checkup import check_fit
 from .findings.physics import impossible_leg, mass_scale, never_negative
 from .friction_form import friction_form_error
 from .group_rows import Group
@@ -113,12 +113,11 @@ class Result:
             ),
         )
 
-    def estimate(self, group: int, common: tuple[str, ...], *, check: bool) -> Estimate:
+    def estimate(self, group: int, common: tuple[str, ...]) -> Estimate:
         """Make the estimate of one group, its covariance the group's block of the whole."""
         problem, fit = self.fitted.problem, self.fitted.fit
         layout, solution = problem.layout, fit.solution
-        name, names = layout.groups[group], layout.names_of(group)
-        parts = [k for k, one in enumerate(problem.groups) if one.name == name]
+        names, parts = layout.names_of(group), problem.parts(layout.groups[group])
         first, rows, standing = parts[0], problem.groups[parts[0]], problem.groups[parts[0]].links is not None
         model = self.fitted.models[first]
         if standing:  # of the leg, whatever rests on the ground
@@ -126,29 +125,15 @@ class Result:
         every, values = layout.places[group], self.fitted.values(first)
         places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
-        joints = range(*problem.starts[0, first : first + 2])
-        noise = None if standing else self.noise[joints.start : joints.stop]
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
-        # what force plates add are differences of large torques, which no parameter alone would explain
-        ordinary = [k for k in parts if not (isinstance(one := self.fitted.models[k], SupportModel) and one.plates)]
-        factors = [each for k in ordinary for each in problem.groups[k].r_factors]
         residual_rms = (
             np.array([_of_joint(supports, joint) for joint in model.joint_names])
             if standing
             else np.array([rms_residual(each, solution.values[every]) for each in rows.by_row])
         )
-        checkup, error = Checkup(), None
-        if check and not standing:
-            checked = fitted_leg(self.fitted, first, covariance)
-            checkup = check_fit(checked)
-            error = friction_form_error(checked, checkup, residual_rms, noise or ())
-        on_ground: list[Finding] = []
-        if check and standing:
-            on_ground += [*torque_findings(self.fitted, parts), *mass_scale(model.leg, values, model.names)]
-            on_ground += impossible_leg(model.leg, values, covariance, [each.R for each in factors])
-        of_fit = self.fitted.findings if first == 0 else ()  # said once
+        factors = [each for one in self._ordinary(parts) for each in one.r_factors]
         assert rows.preparation is not None
-        estimate = Estimate(
+        return Estimate(
             model=model,
             values=values,
             covariance=covariance,
@@ -163,8 +148,7 @@ class Result:
             warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance)))),
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
-            findings=ordered((*rows.findings, *of_fit, *on_ground, *checkup.findings)),
-            model_error=error,
+            findings=ordered((*rows.findings, *(self.fitted.findings if first == 0 else ()))),  # said once
             torque_delays=np.zeros(len(model.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,
             evidence=Evidence(
@@ -172,26 +156,51 @@ class Result:
                 parameter_scale=parameter_scale(factors)[: len(values)],
                 reference_scale=self.reference[places],
                 collinearity=self.collinearity.indices[places],
-                noise=noise,
-                ranges=checkup.ranges,
-                torque_spread=checkup.torque_spread,
+                noise=None if standing else self.noise[slice(*problem.starts[0, first : first + 2])],
                 cutoff_source=self.cutoff_source,
                 supports=supports,
                 bounded=tuple(names[problem.names[k]] for k in solution.bounded if problem.names[k] in names),
             ),
         )
-        return _with_cones_checked(estimate, [problem.groups[k] for k in ordinary]) if check and standing else estimate
+
+    def checked(self, estimate: Estimate, group: int) -> Estimate:
+        """Add the faults of logs and model that the rows of one group show."""
+        problem, fitted = self.fitted.problem, self.fitted
+        parts = problem.parts(problem.layout.groups[group])
+        if problem.groups[parts[0]].links is None:
+            leg = fitted_leg(fitted, parts[0], estimate.covariance)
+            checkup = check_fit(leg)
+            error = friction_form_error(leg, checkup, estimate.residual_rms, estimate.noise)
+            evidence = replace(estimate.evidence, ranges=checkup.ranges, torque_spread=checkup.torque_spread)
+            findings = ordered((*estimate.findings, *checkup.findings))
+            return replace(estimate, findings=findings, model_error=error, evidence=evidence)
+        values, groups = estimate.values, self._ordinary(parts)
+        found = [*torque_findings(fitted, parts), *mass_scale(estimate.model.leg, values, estimate.names)]
+        tables = [each.R for one in groups for each in one.r_factors]
+        found += impossible_leg(estimate.model.leg, values, estimate.covariance, tables)
+        stretches = [
+            Stretch(one.model.links, (), recording)
+            for one in groups
+            for recording in one.data
+            if isinstance(recording, Recording) and isinstance(one.model, SupportModel)
+        ]
+        found += cone_findings(estimate, stretches)
+        return replace(estimate, findings=ordered((*estimate.findings, *found)))
+
+    def _ordinary(self, parts: Sequence[int]) -> list[Group]:
+        """Groups of rows but those that force plates add: differences of large torques, which no parameter explains."""
+        groups = [self.fitted.problem.groups[k] for k in parts]
+        return [one for one in groups if not (isinstance(one.model, SupportModel) and one.model.plates)]
 
     def grouped(self, *, check: bool) -> GroupedEstimate:
         """Make the estimates of all groups."""
         problem, solution, layout = self.fitted.problem, self.fitted.fit.solution, self.fitted.problem.layout
-        samples = [
-            sum(count for one, count in zip(problem.groups, self.samples.tolist(), strict=True) if one.name == name)
-            for name in layout.groups
-        ]
+        samples = [sum(float(self.samples[k]) for k in problem.parts(name)) for name in layout.groups]
         agreement = shared_agreement(problem, self.estimator, samples, white=self.white)
         common = (*self.warnings, *agreement.warnings)
-        estimates = {name: self.estimate(k, common, check=check) for k, name in enumerate(layout.groups)}
+        estimates = {name: self.estimate(k, common) for k, name in enumerate(layout.groups)}
+        if check:
+            estimates = {name: self.checked(one, k) for k, (name, one) in enumerate(estimates.items())}
         # behind the warnings that all groups share are those of single groups
         single = [f"{name}: {text}" for name, one in estimates.items() for text in one.warnings[len(common) :]]
         own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
@@ -220,17 +229,6 @@ class Result:
             warnings=(*common, *single),
             notes=(*notes, *agreement.notes),
         )
-
-
-def _with_cones_checked(estimate: Estimate, groups: Sequence[Group]) -> Estimate:
-    """Add what the forces of feet show that rest in some groups of rows."""
-    stretches = [
-        Stretch(group.model.links, (), one)
-        for group in groups
-        for one in group.data
-        if isinstance(one, Recording) and isinstance(group.model, SupportModel)
-    ]
-    return replace(estimate, findings=ordered((*estimate.findings, *cone_findings(estimate, stretches))))
 
 
 def _reference_scale(fitted: Fitted) -> FloatArray:
