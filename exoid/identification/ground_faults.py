@@ -19,8 +19,9 @@ from exoid.torques.contacts.standing_base import StandingBase
 from .findings.kinds import KINDS, Nuisance
 from .findings.score import in_half_widths
 from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
+from .footing import Footing, footing_effects
 from .problem import Fitted
-from .row_changes import Effects, Footing, best_reading, changed, equations, footing_effects
+from .row_changes import Effects, best_reading, changed, equations
 
 SIZES = {
     "torque-scale": (0.02, 0.3, "1"),

@@ -1,45 +1,36 @@
-"""From recordings with contacts to a task whose groups are the sets of links that rest on the ground."""
+"""The fit of a leg that stands: how its feet stand, which samples are wrong, and what sensors are off by."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import BoolArray, FloatArray
-from exoid.actuators.constants import unknown_constants
-from exoid.errors import ExoidError, NotIdentifiableError, NotSupportedError, UnreadableInputError
+from exoid._typing import BoolArray
+from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.regression.rows import for_leg
-from exoid.signals import Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Recording
 from exoid.signals.base_checks import flies
 from exoid.signals.cutoff import noisier_base
-from exoid.torques.contacts import Split, split
-from exoid.torques.contacts.elimination import reference_axes
-from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors, beside
+from exoid.torques.contacts.imu import ROCKS, CorrectedBase, ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase
 from exoid.torques.contacts.stretches import EDGE, SHORTEST
 from exoid.torques.contacts.support_model import SupportModel
 
 from .estimators import Estimator, huber
 from .estimators.by_name import fit_linear
-from .findings.checkup import signal_findings
+from .footing import LEAN, PIVOT, Footing, find_footing, tilted
 from .ground_faults import joint_faults
-from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import LEAN, PIVOT, Footing, contact_offsets, find_footing, residual, rms_residuals, tilted
+from .row_changes import contact_offsets, residual, rms_residuals
+from .support_groups import MEASURED, MUCH_LEFT_OUT, rocking_finding, support_groups
 
-MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
-STRONGEST = 1e4  # torque that no joint of a machine that stands has [N·m]
-MANY = 2000  # samples that the reference of closed chains is chosen for
-MEASURED = "measured"  # name of the samples at which no wrench is unknown
 
 
 def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
@@ -47,7 +38,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
     # Where feet carry a base that was not measured, the compliance of their soles and the lean of the ground are found,
     # too; where feet told the bias of its sensor, this lean; where no rest told it, this bias. What they explain hides
     # no outliers then, which are looked for once more.
-    problem = on_ground(problem, estimator, by_noise=by_noise, check=check)
+    problem = support_groups(problem, estimator, by_noise=by_noise, check=check)
     try:
         problem = without_outliers(fit_linear(problem, huber))
     except ExoidError as error:
@@ -127,163 +118,6 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     return fitted._replace(findings=(*fitted.findings, finding), doubt=doubt)
 
 
-def on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Problem:
-    """Split the recordings of each group by the links that rest on the ground with an unknown wrench."""
-    if getattr(estimator, "fits_samples", False):
-        raise NotSupportedError("this estimator simulates the leg without ground", remedy="use wls, huber or ols")
-    if any(term.loaded for term in problem.terms):
-        raise NotSupportedError("terms beside a ground are linear in their parameters", remedy="leave LoadFriction out")
-    groups = [part for group in problem.groups for part in _split(group, by_noise=by_noise, check=check)]
-    return replace(problem, groups=tuple(replace(group, memory_share=1.0 / len(groups)) for group in groups))
-
-
-def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
-    """Make a group of the recordings of each set of links, the first of which has the findings of all."""
-    model = group.model
-    if group.actuators is not None and unknown_constants(group.actuators):
-        raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
-    found: dict[tuple[tuple[str, ...], bool], list[Recording]] = {}
-    findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
-    data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
-    if len(data) < len(group.data):
-        raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
-    if group.preparation is None or any(group.preparation.parallel(one.sample_rate) is None for one in data):
-        raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
-    most = max((float(np.nanmax(np.abs(one.tau), initial=0.0)) for one in data if one.tau is not None), default=0.0)
-    if most > STRONGEST:  # a sole that gives way under it would turn the base over
-        raise UnreadableInputError(
-            f"a torque of {most:.6g} N·m (limit {STRONGEST:g} N·m on the ground) looks like N·mm",
-            where=data[0].file_name,
-            remedy="give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000",
-        )
-    # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
-    smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
-    every = [split(model.leg, one, smears) for one in data]
-    findings += _places(data, every)
-    # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
-    known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
-    apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
-    if apart > ROCKS:
-        findings.append(_rocking_finding(apart / GRAVITY, "they tell no bias of the base's sensor"))
-        every, known = [split(model.leg, one, smears, tell=False) for one in data], []
-    session = min(known, key=lambda errors: float(np.linalg.norm(errors.std[3:])), default=None)
-    for one, own in zip(data, every, strict=True):
-        told = one.base is None or any(own.imu is errors for errors in known)
-        parts = own if told or session is None else split(model.leg, one, smears, session)
-        findings += _left_out(parts, one)
-        for part in parts.stretches:
-            # on plates, rows that need no plate come first: what plates add has their noise, and a cut-off of its own
-            for plates in (False, True) if part.plates else (False,):
-                found.setdefault((part.links or part.plates, plates), []).append(part.recording)
-    groups: list[Group] = []
-    for (links, plates), data in found.items():
-        q = np.vstack([one.q[one.mask] for one in data])
-        axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
-        measured = np.logical_or.reduce([one.measured for one in data])
-        if axes is not None and not measured.all():
-            missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
-            raise UnreadableInputError(
-                f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all",
-                where=data[0].file_name,
-                remedy=f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)",
-                joints=tuple(missing),
-            )
-        cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
-        preparation = group.preparation if cutoff is None else ZeroPhase(cutoff)
-        groups.append(
-            replace(
-                group,
-                model=SupportModel.of(model, links, axes, plates=plates),
-                data=tuple(data),
-                preparation=preparation,
-                links=" and ".join(links) + (" on plates" if plates else "") or MEASURED,
-                findings=() if groups else tuple(findings),
-            )
-        )
-    return groups
-
-
-def _left_out(parts: Split, recording: Recording) -> list[Finding]:
-    """Say how many samples were left out, and why."""
-    left, name = parts.left, recording.file_name
-    unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
-    check_ground = "check contacts, the ground, and whether joints' zeros are right"
-    rows = (
-        (
-            *("slipping-contact", left.slipping, MUCH_LEFT_OUT),
-            *("say that a link rests which moves; they were left out", check_ground),
-        ),
-        (
-            *("slipping-contact", left.moving, 1.0),
-            "say that a link rests which rolls or slips; they count, as the motion of the base was measured" + unseen,
-            "nothing to do; without that measurement they would be left out",
-        ),
-        (
-            *("wrong-contact", left.gaps, 1.0),
-            f"are in gaps of a contact that are shorter than {EDGE:g} s; they were filled",
-            "check the foot switch",
-        ),
-        (
-            *("contact-changes", left.changing, 1.0),
-            *(f"are within {parts.near:.2g} s of a touch-down; they were left out", "nothing to do"),
-        ),
-        (
-            *("singular-stance", left.singular, MUCH_LEFT_OUT),
-            "leave no row: knees are straight, or too many links rest for the joints",
-            "bend the knees, or measure the wrenches",
-        ),
-        (
-            *("singular-stance", left.floating, MUCH_LEFT_OUT),
-            "have no foot flat on the ground, and the motion of the base was not measured; they were left out",
-            "record an IMU on the torso",
-        ),
-    )
-    text = "the switches of {} close {:.0f} ms after the jolt of its touch-downs; its contacts begin with the jolt"
-    advice = "lower the threshold of the switches, or correct their time stamps"
-    late = [
-        Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
-        for foot, x in parts.late.items()
-    ]
-    if parts.imu is not None and parts.imu.rocks:
-        late.append(_rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
-    return late + [
-        Finding(
-            *(kind, "", share, "1", "warning" if share > many else "info"),
-            *(f"{share:.1%} of the samples {message}", remedy),
-            recording=name,
-        )
-        for kind, share, many, message, remedy in rows
-        if share > 0.0
-    ]
-
-
-def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:
-    """Say where the base's sensor is, if all recordings together tell that it is not where they say."""
-    turns = defaultdict[tuple[float, ...], FloatArray](lambda: np.zeros((4, 4)))
-    for one, parts in zip(data, every, strict=True):
-        if one.base is not None:
-            turns[tuple(one.base.position.tolist())] += parts.turns
-    for position, total in turns.items():
-        size = float(np.linalg.norm(aside := beside(total)))
-        if size > 0.0:
-            place = ", ".join(f"{x:.2f}" for x in position + aside)
-            text = (
-                f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on feet tell"
-            )
-            advice = (
-                f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
-            )
-            # 5 cm move the mass of a machine by percents
-            yield Finding("imu-position", "", size, "m", "error" if size > 0.05 else "warning", text, advice)
-
-
-def _rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:
-    """Say that a foot that counts as flat rocks."""
-    text = f"feet that are said to stand flat rock by {1e3 * angle:.2g} mrad (standard deviation): {then}"
-    remedy = "check soles, contacts, zeros and play of joints; stand on flat soles, or say that feet stand on an edge"
-    return Finding("rocking-foot", "", angle, "rad", "warning", text, remedy, None, parameters, name)
-
-
 def _told_findings(fitted: Fitted) -> Iterator[Finding]:
     """Say what feet told of the errors of sensors."""
     data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
@@ -361,10 +195,10 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         each = zip(footing.links, (1e3 * places[:, [0, 2, 1, 3]]).tolist(), strict=True)
         then = "; ".join(text.format(link, *place) for link, place in each)
         then += ". How they lean at each time follows from the torques, and its error is part of all intervals"
-        findings.append(_rocking_finding(footing.rocks, then, "", names))
+        findings.append(rocking_finding(footing.rocks, then, "", names))
     elif footing.links and footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
         then = "logs are too long to find how they lean at each time, and no interval holds it: pass some minutes"
-        findings.append(replace(_rocking_finding(footing.rocks, then, "", names), severity="error"))
+        findings.append(replace(rocking_finding(footing.rocks, then, "", names), severity="error"))
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
         findings.append(_imu_finding(footing.imu, when, "", names))
