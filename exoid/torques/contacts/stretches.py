@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -14,7 +14,7 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.signals import BaseMotion, Preparation, Recording, Wrench, ZeroPhase
+from exoid.signals import Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.contacts import LEAST_LOAD, LIFT, contacts_from_wrench
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import wrenches_on_links
@@ -145,21 +145,12 @@ def split(
             _refuse_held_rail(leg, recording, links, rows)
         lost |= inside & ~usable
         if np.count_nonzero(usable) >= SHORTEST * recording.sample_rate:
-            # The plate under a foot in the air reads noise, which is left out of the rows; a load says that it is not.
-            silent = {
-                link
-                for link in set(plates) - set(together)
-                if np.linalg.norm(recording.wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD
-            }
-            loaded = {link: wrench for link, wrench in recording.wrenches.items() if link not in silent}
-            base = _base(leg, recording, [link for link in soles if rest[link][usable].all()])
-            if base is None and leg.base_rows and leg.description.root_link not in links:
+            flat = [link for link in soles if rest[link][usable].all()]
+            stretch = _stretch(leg, recording, links, flat, set(plates) - set(together), usable)
+            if stretch is None:
                 floating |= usable
-                continue
-            if leg.base_rows and not links and not loaded and base is not None:
-                _refuse_held_flight(recording, base.specific_force[usable])
-            about: dict[str, Any] = {"mask": usable, "base": base, "wrenches": loaded}
-            found.append(Stretch(links, () if links else together, replace(recording, **about)))
+            else:
+                found.append(stretch if links else stretch._replace(plates=together))
     if not found and floating.any():
         raise UnreadableInputError(
             "the base moves, and no motion of it was recorded while no link rests flat on the ground",
@@ -176,6 +167,32 @@ def split(
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted))) for part in parts))
     return Split(tuple(found), left_out, imu, slip.visible, near, late, place)
+
+
+def _stretch(
+    leg: Leg, recording: Recording, links: tuple[str, ...], flat: Sequence[str], unloaded: set[str], usable: BoolArray
+) -> Stretch | None:
+    """Samples at which the same links rest; None if nothing says how the base moves."""
+    # The plate under a foot in the air reads noise, which is left out of the rows; a load says that it is not.
+    wrenches = dict(recording.wrenches)
+    for link in unloaded:
+        if np.linalg.norm(wrenches[link].force[usable].mean(axis=0)) < LEAST_LOAD:
+            del wrenches[link]
+    base = recording.base
+    if base is None and leg.base_rows and flat:
+        base = standing_base(leg, recording, flat[0])
+    if base is None and leg.base_rows and leg.description.root_link not in links:
+        return None
+    if leg.base_rows and not links and not wrenches and base is not None:
+        size = float(np.linalg.norm(base.specific_force[usable].mean(axis=0)))
+        if size > 0.5 * GRAVITY:
+            raise UnreadableInputError(
+                f"no contact and no wrench is there, and the accelerometer of the base reads {size:.3g} m/s²: it is "
+                "held",
+                where=recording.file_name,
+                remedy="say what holds it: a hook or a stand by a contact of its link, a load cell there by a wrench",
+            )
+    return Stretch(links, (), replace(recording, mask=usable, base=base, wrenches=wrenches))
 
 
 def _without_bias(
@@ -218,17 +235,6 @@ def _changing(flags: BoolArray, samples: int) -> BoolArray:
     """So many samples before and after each touch-down and lift-off; the ends of a log are none."""
     changes = np.diff(flags, prepend=flags[:1])
     return np.asarray(np.convolve(changes, np.ones(2 * samples))[samples : samples + len(flags)] > 0.5)
-
-
-def _refuse_held_flight(recording: Recording, force: FloatArray) -> None:
-    """Refuse a base that nothing is said to touch, and that does not fall."""
-    size = float(np.linalg.norm(force.mean(axis=0)))
-    if size > 0.5 * GRAVITY:
-        raise UnreadableInputError(
-            f"no contact and no wrench is there, and the accelerometer of the base reads {size:.3g} m/s²: it is held",
-            where=recording.file_name,
-            remedy="say what holds it: a hook or a stand by a contact of its link, a load cell there by a wrench",
-        )
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
@@ -280,9 +286,3 @@ def _patterns(resting: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[
         (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
         for k, pattern in enumerate(patterns)
     ]
-
-
-def _base(leg: Leg, recording: Recording, flat: Sequence[str]) -> BaseMotion | None:
-    """Motion of the base: as it was measured, or as the first foot that rests flat says; None without both."""
-    unmeasured = recording.base is None and leg.base_rows and flat
-    return standing_base(leg, recording, flat[0]) if unmeasured else recording.base
