@@ -43,11 +43,6 @@ def with_constants(actuators: Actuators, values: Mapping[str, float]) -> Actuato
     return replace(actuators, drives=ReadOnlyDict(drives))
 
 
-def at_start(actuators: Actuators) -> Actuators:
-    """Give unknown constants the values at which a search begins."""
-    return with_constants(actuators, {each.name: each.constant.start for each in unknown_constants(actuators)})
-
-
 def recompute(actuators: Actuators, recording: Recording) -> Recording:
     """Compute the torques that follow from drives again, with other constants."""
     if not recording.computed or recording.tau is None:

@@ -12,7 +12,6 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate import Estimate
-from exoid.leg.closure import refuse_loops
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.model import configuration
@@ -239,7 +238,9 @@ class ControlModel:
     @cached_property
     def pinocchio(self) -> pin.Model:
         """Bodies with rotors, for Pinocchio's algorithms."""
-        refuse_loops(self.leg, "this controller")
+        if self.leg.closure is not None:
+            what, remedy = "this controller takes no leg with closed loops", "docs/loops.md says what there is"
+            raise NotSupportedError(what, remedy=f"use a leg without loops; {remedy}")
         model = self.leg.model.copy()
         model.armature[:] += self.armature
         return model

@@ -11,8 +11,8 @@ from typing import Any
 from exoid._typing import FloatArray
 from exoid.leg.lift import Lift, lift
 from exoid.leg.lift.lift import PULL
-from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, mass_changes, refuse_mass_changes
-from exoid.leg.rewriting import rewrite
+from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, refuse_mass_changes
+from exoid.leg.rewriting import read_inertials, rewrite
 from exoid.regression.least_squares import scaled_inverse
 from exoid.tools.files import refuse_content, refuse_unwritable, write_whole
 from exoid.tools.json_values import named
@@ -119,7 +119,8 @@ def export_urdf(
     p = len(leg.parameter_names)
     lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=pull, mass_factor=mass_factor)
     links = distribute_bodies(leg, lifted.link_parameters, mass_factor)
-    masses = mass_changes(leg.description, links)
+    before = read_inertials(leg.description)
+    masses = tuple(MassChange(name, float(before[name][0]), float(pi[0])) for name, pi in links.items())
     refuse_mass_changes(masses, mass_factor, leg.description.name)
     values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
     dynamics: dict[str, dict[str, float]] = {}

@@ -56,10 +56,12 @@ def parameter_table(estimate: EstimateData, caption: str = "") -> DataTable:
 def number_rows(of: ParameterTable | NonlinearParameters, intervals: FloatArray) -> list[tuple[str, ...]]:
     """Write the name and the numbers of each parameter under :data:`HEADERS`."""
     columns = (of.names, of.values, of.std, intervals, of.units, of.identifiability)
-    return [
-        (name, *written(value, std, interval), unit, in_words(judged, interval))
-        for name, value, std, interval, unit, judged in zip(*columns, strict=True)
-    ]
+    rows = []
+    for name, value, std, interval, unit, judged in zip(*columns, strict=True):
+        # what is well determined, thus small in torque, and may as well be zero
+        word = "about zero" if judged == "well" and interval[0] <= 0.0 <= interval[1] else judged
+        rows.append((name, *written(value, std, interval), unit, word))
+    return rows
 
 
 def numbers_to_json(of: ParameterTable | NonlinearParameters, intervals: FloatArray) -> dict[str, Any]:
@@ -67,11 +69,6 @@ def numbers_to_json(of: ParameterTable | NonlinearParameters, intervals: FloatAr
     keys = "values", "std", "interval_95", "units", "determined"
     columns = (of.values, of.std, intervals, of.units, of.identifiability)
     return {key: named(of.names, column) for key, column in zip(keys, columns, strict=True)}
-
-
-def in_words(judged: str, interval: FloatArray) -> str:
-    """Call a value "about zero" that is well determined, thus small in torque, and may as well be zero."""
-    return "about zero" if judged == "well" and interval[0] <= 0.0 <= interval[1] else judged
 
 
 def reasons(estimate: EstimateData) -> Iterator[str]:

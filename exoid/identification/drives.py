@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive, Motor, motor_terms
-from exoid.actuators.constants import DriveConstant, at_start, unknown_constants
+from exoid.actuators.constants import DriveConstant, unknown_constants, with_constants
 from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
@@ -34,7 +34,8 @@ def drive_groups(
     for name, (leg, data) in pairs.items():
         with within(name):
             mounted[name] = Actuators.of(leg, drives)
-            driven[name] = leg, at_start(mounted[name]).torques(data)
+            start = {each.name: each.constant.start for each in unknown_constants(mounted[name])}
+            driven[name] = leg, with_constants(mounted[name], start).torques(data)
     return driven, mounted
 
 

@@ -20,7 +20,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError
 
 from .dynamics import JointFrames, joint_frames
 from .loops import Loop, Loops
@@ -369,11 +369,3 @@ def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
 
 def _blocks(count: int) -> Iterator[slice]:
     return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))
-
-
-def refuse_loops(leg: object, what: str) -> None:
-    """Refuse a leg with closed loops."""
-    if getattr(leg, "closure", None) is not None:
-        raise NotSupportedError(
-            f"{what} takes no leg with closed loops", remedy="use a leg without loops; docs/loops.md says what there is"
-        )

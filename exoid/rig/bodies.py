@@ -47,7 +47,10 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[s
         >>> limb_of(exoid.load_leg("cuhk"), 1.70, 65.0).parameters.round(3)
         array([2.824, 0.   , 1.017, 0.941, 0.   , 0.312])
     """
-    _refuse_stature(height, mass)
+    if not (0.0 < height < 2.6 and 0.0 < mass < 350.0):
+        raise BadArgumentError(
+            f"a wearer of {height:g} m and {mass:g} kg", remedy="give the height in m and the mass in kg"
+        )
     chain, labels = leg.chain, joint_roles(leg, roles or {})
     if chain is None or any(label not in (*WINTER, "ankle") for label in labels):
         raise NotSupportedError(
@@ -78,13 +81,6 @@ def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:
         ExoidError: The leg does not have a joint that a payload names.
     """
     return replace(plant, parameters=plant.parameters + payload_parameters(plant.leg, payloads)[:, None])
-
-
-def _refuse_stature(height: float, mass: float) -> None:
-    if not (0.0 < height < 2.6 and 0.0 < mass < 350.0):
-        raise BadArgumentError(
-            f"a wearer of {height:g} m and {mass:g} kg", remedy="give the height in m and the mass in kg"
-        )
 
 
 def _bodies(joint: str, with_ankle: bool) -> list[tuple[float, float, float, float]]:

@@ -11,7 +11,7 @@ with the impulse r of friction and end stops from :mod:`exoid.rig.stick_slip`.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,19 +37,7 @@ class Equations(NamedTuple):
     impulse: FloatArray  # impulse of all other torques [N·m·s], (n, B)
 
 
-class RigidBodies(Protocol):
-    """Rigid bodies of B rigs."""
-
-    def dynamics(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Mass matrices, (n, n, B), and bias torques, (n, B)."""
-        ...
-
-    def energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Kinetic and potential energy, (B,)."""
-        ...
-
-
-def rigid_bodies(plant: Plant) -> RigidBodies:
+def rigid_bodies(plant: Plant) -> PinocchioBodies | PlanarBodies:
     """Choose the closed form for planar legs in a batch, and Pinocchio, which is faster there, for a single rig."""
     if plant.count == 1 or plant.leg.chain is None:
         return PinocchioBodies(plant)

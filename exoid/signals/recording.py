@@ -120,12 +120,6 @@ class Recording(RecordingData):
         )
 
     @property
-    def loaded_links(self) -> tuple[str, ...]:
-        """Links on which the surroundings act at some sample: with a wrench, or in contact with the ground."""
-        pulled = [link for link, wrench in self.wrenches.items() if wrench.columns.any()]
-        return tuple(dict.fromkeys([*pulled, *(link for link, contact in self.contacts.items() if contact.any())]))
-
-    @property
     def duration(self) -> float:
         """Time from the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])

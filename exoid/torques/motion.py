@@ -17,6 +17,9 @@ from exoid.leg.torso import MovingBase, TorsoMotion
 
 from .presliding import Presliding
 
+STEPS = (1e-5, 1e-5, 1e-3)
+"""Halves of central differences by angle, velocity and acceleration; torques are linear in the last."""
+
 BLOCK = 32768
 """Samples whose torques are computed at once."""
 

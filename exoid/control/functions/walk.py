@@ -14,7 +14,7 @@ from exoid.experiments.ground.walking import healthy_flexion
 from exoid.tools.numbers import checked
 
 from .body import SIDES, Body
-from .function import PHASE, Contacts, Function
+from .function import PHASE, Function
 
 
 def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArray:
@@ -103,14 +103,9 @@ def walk(
     # on the ground is a foot whose lowest point is below 4 mm
     down = lowest < 0.004 + low.min(axis=0) + hip.imag
     down |= ~down.any(axis=0) & (low == low.min(axis=0))  # never in the air
-    order = _order([frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T])
+    sets = [frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T]
+    order = tuple((float(PHASE[k]), one) for k, one in enumerate(sets) if k == 0 or one != sets[k - 1])
     hip = hip * np.exp(1j * angle)
     torso = np.column_stack([hip.real, hip.imag, np.zeros(len(PHASE))])
     both = np.stack(flexion, axis=1) + np.array([angle, 0.0, 0.0])
     return Function("slope" if angle else "walk", period, both, torso, order, cyclic=True)
-
-
-def _order(sets: list[Contacts]) -> tuple[tuple[float, Contacts], ...]:
-    """Join equal sets that follow each other."""
-    starts = [k for k in range(len(sets)) if k == 0 or sets[k] != sets[k - 1]]
-    return tuple((float(PHASE[k]), sets[k]) for k in starts)

@@ -84,9 +84,7 @@ def judge(evidence: Evidence, level: float = LEVEL) -> tuple[JointAction, ...]:
     )
 
 
-def constant_torques(
-    estimate: EstimateData, evidence: Evidence, actions: Sequence[JointAction], source: str
-) -> Iterator[Finding]:
+def constant_torques(estimate: EstimateData, evidence: Evidence, actions: Sequence[JointAction]) -> Iterator[Finding]:
     """Find torques that are constant: a zero of a sensor that moved looks like a wearer who pushes evenly."""
     for joint, mean, power, action in zip(estimate.joint_names, evidence.mean, evidence.power, actions, strict=True):
         if action.steady and (not action.acts or mean**2 > 10.0 * power):
@@ -95,15 +93,13 @@ def constant_torques(
             )
             remedy = "take the zero of the sensor unworn, or identify with an offset for each recording (own=offset)"
             kind = "constant-interaction"
-            yield Finding(kind, joint, float(mean), "N·m", "warning", message, remedy, recording=source)
+            yield Finding(kind, joint, float(mean), "N·m", "warning", message, remedy)
 
 
-def explanations(
-    estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction], source: str
-) -> list[Finding]:
+def explanations(estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction]) -> list[Finding]:
     """Find what explains an interaction: bodies, or sensors and friction if they do so better at all joints."""
     acting = [joint for joint, action in zip(estimate.joint_names, actions, strict=True) if action.acts]
-    bodies = list(_body_like(estimate, found.bodies, source)) if acting else []
+    bodies = list(_body_like(estimate, found.bodies)) if acting else []
     others = list(_sensor_like(estimate, found, acting))
     if not bodies or len(others) < len(acting):
         return bodies or others
@@ -111,7 +107,7 @@ def explanations(
     return others if np.average([one.value for one in others], weights=weight) > bodies[0].value else bodies
 
 
-def _body_like(estimate: EstimateData, bodies: FloatArray | None, source: str) -> Iterator[Finding]:
+def _body_like(estimate: EstimateData, bodies: FloatArray | None) -> Iterator[Finding]:
     """Find an interaction that other bodies on the leg explain, W δ ≈ τ_w: a payload, a limb, or a wrong estimate."""
     if bodies is None:
         return
@@ -134,7 +130,7 @@ def _body_like(estimate: EstimateData, bodies: FloatArray | None, source: str) -
     else:
         message = f"{share}: another leg than the estimate's, or a passive limb"
         remedy = "check that the estimate belongs to this leg; see exoid compare for a passive limb"
-    yield Finding("body-like-interaction", "", part, "1", "warning", message, remedy, recording=source)
+    yield Finding("body-like-interaction", "", part, "1", "warning", message, remedy)
 
 
 def _sensor_like(estimate: EstimateData, found: Evaluation, acting: Sequence[str]) -> Iterator[Finding]:
@@ -161,13 +157,13 @@ def _sensor_like(estimate: EstimateData, found: Evaluation, acting: Sequence[str
             yield Finding(f"{kind}-like-interaction", joint, share, "1", "warning", message, remedy)
 
 
-def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str) -> Iterator[Finding]:
+def rough_estimate(estimate: EstimateData, predicted: FloatArray) -> Iterator[Finding]:
     """Find errors of the training, and joints of which it left over 30 % of the torque unexplained."""
     wrong = sorted({finding.kind for finding in estimate.findings if finding.severity == "error"})
     if wrong:
         message = f"the estimate has errors ({', '.join(wrong)}): that nothing acts cannot be told from it"
         remedy = "mend the recordings of the training, and identify again"
-        yield Finding("rough-estimate", "", 1.0, "1", "error", message, remedy, recording=source)
+        yield Finding("rough-estimate", "", 1.0, "1", "error", message, remedy)
     columns = (estimate.joint_names, estimate.residual_rms, predicted.std(axis=0), estimate.trained)
     for joint, rms, size, trained in zip(*columns, strict=True):
         if trained and rms > 0.3 * size > 1e-6 * rms:  # no torque that only rounding changes
@@ -177,13 +173,13 @@ def rough_estimate(estimate: EstimateData, predicted: FloatArray, source: str) -
             )
             remedy = "identify from recordings without a wearer, and look at the findings of the estimate"
             value = float(rms / size)
-            yield Finding("rough-estimate", joint, value, "1", "warning", message, remedy, recording=source)
+            yield Finding("rough-estimate", joint, value, "1", "warning", message, remedy)
 
 
-def too_few_samples(estimate: EstimateData, evidence: Evidence, source: str) -> Iterator[Finding]:
+def too_few_samples(estimate: EstimateData, evidence: Evidence) -> Iterator[Finding]:
     """Find recordings that are too short for the test."""
     least = float(np.min(np.where(np.isnan(evidence.power), np.inf, evidence.effective)))
     if least < 20.0:
         joint = estimate.joint_names[int(np.argmin(evidence.effective))]
         message = f"only {least:.0f} samples count as independent: a wearer who moves slowly is hardly told from noise"
-        yield Finding("short-recording", joint, least, "1", "warning", message, "record longer", recording=source)
+        yield Finding("short-recording", joint, least, "1", "warning", message, "record longer")

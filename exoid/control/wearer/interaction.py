@@ -276,10 +276,10 @@ def interaction(
         *channel_findings(recording),
         *([] if found.ranges is None else extrapolations(estimate, found.ranges)),
         *unmeasured_torques(estimate, measured),
-        *too_few_samples(estimate, evidence, name),
-        *rough_estimate(estimate, found.predicted, name),
-        *constant_torques(estimate, evidence, actions, name),
-        *explanations(estimate, found, actions, name),
+        *too_few_samples(estimate, evidence),
+        *rough_estimate(estimate, found.predicted),
+        *constant_torques(estimate, evidence, actions),
+        *explanations(estimate, found, actions),
     ]
     return Interaction(
         estimate.joint_names,

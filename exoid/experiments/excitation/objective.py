@@ -13,14 +13,12 @@ from exoid.experiments.limits import MotionLimits
 from exoid.experiments.references import States
 from exoid.leg.torso import TorsoMotion
 from exoid.torques import TorqueModel
+from exoid.torques.motion import STEPS
 
 from .fourier import Basis
 from .scales import Scales, TorqueNoise
 
 Criterion = Literal["worst", "d"]
-
-STEPS = (1e-5, 1e-5, 1e-3)
-"""Steps of the central differences of the regressor by q, v and a."""
 
 
 class Stage(NamedTuple):

@@ -112,9 +112,11 @@ def _refuse_what_it_lacks(problem: Problem) -> None:
     if type(model) is not TorqueModel or any(term.loaded or term.internal_state is not None for term in model.terms):
         raise NotSupportedError("ml takes no friction that remembers or depends on load", remedy="use wls or huber")
     for data in problem.local_data:
-        links = data.loaded_links if isinstance(data, Recording) else ()
         lacks = "poses" if isinstance(data, Poses) else ", ".join(map(str, data.payloads))
-        lacks = lacks or (f"what acts on {', '.join(links)}" if links else "")
+        if isinstance(data, Recording) and not lacks:
+            links = [link for link, wrench in data.wrenches.items() if wrench.columns.any()]
+            links += [link for link, contact in data.contacts.items() if contact.any() and link not in links]
+            lacks = f"what acts on {', '.join(links)}" if links else ""
         if lacks:
             what = f"ml fits motions of the leg in the air, without {lacks}"
             raise NotSupportedError(what, where=data.file_name, remedy="use wls, huber or ols")

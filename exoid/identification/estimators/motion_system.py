@@ -13,14 +13,13 @@ from exoid.leg.torso import MovingBase
 from exoid.regression.row_data import NoiseKind, RowBlock, Rows
 from exoid.regression.rows import rate_class
 from exoid.torques import Motion, TorqueModel
+from exoid.torques.motion import STEPS
 
 from .bordered import BorderedRows, ReducedSystem, eliminate
 from .trajectory import WIDTH, Trajectory
 
 PROBES = 6  # random vectors with which traces are estimated
 QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
-STEPS = (1e-5, 1e-5, 1e-3)
-"""Half of the central difference in angle, velocity and acceleration; the torque is linear in the last."""
 
 
 class LinearisedRows(NamedTuple):
@@ -42,15 +41,6 @@ class LinearisedRows(NamedTuple):
     def recordings(self) -> Iterator[RowBlock]:
         """Go over the rows of each recording."""
         return iter(self.blocks)
-
-
-def linearised_block(
-    W: FloatArray, residual: FloatArray, values: FloatArray, time: FloatArray, usable: FloatArray
-) -> RowBlock:
-    """Make a block of the rows of one recording."""
-    acting, still = np.ones(W.shape[1:], dtype=np.bool_), np.zeros_like(residual)
-    rows = Rows(time, W, residual + W @ values, still, still, usable > 0.0, acting, 1.0)
-    return RowBlock(NoiseKind(at_rest=False, rate_class=rate_class(time)), rows)
 
 
 class Moving(NamedTuple):
@@ -188,7 +178,9 @@ class System(NamedTuple):
             angles = -np.einsum("tk,tkjp->tjp", trajectory.basis[0], near) * rows.angle_weight[:, None]
             W, residual = np.concatenate([torques, angles], axis=1), np.hstack([rows.torque, rows.angle])
             usable = np.hstack([data.usable, np.ones_like(data.usable)])
-            blocks.append(linearised_block(W, residual, state.values, data.time, usable))
+            acting, still = np.ones(W.shape[1:], dtype=np.bool_), np.zeros_like(residual)
+            each = Rows(data.time, W, residual + W @ state.values, still, still, usable > 0.0, acting, 1.0)
+            blocks.append(RowBlock(NoiseKind(at_rest=False, rate_class=rate_class(data.time)), each))
         return LinearisedRows.of(blocks)
 
     def criterion(self, residuals: Residuals, levels: Levels) -> float:

@@ -103,7 +103,10 @@ def coordinate(
     report(0.1)
     episodes = run_day(plant, seconds, seed, lambda share: report(0.1 + 0.6 * share))
     logs = [_log(episode, [seed, k]) for k, episode in enumerate(episodes)]
-    filters = [_filter(estimate, episode) for episode in episodes]
+    filters = []
+    for run in (episode.run for episode in episodes):
+        rate = 1.0 / float(run.time[1] - run.time[0])
+        filters.append(ContactFilter.of(estimate, run.plant.soles, SENSORS.imu_position, rate=rate))
     beliefs = [over(told, log) for told, log in zip(filters, logs, strict=True)]
     report(0.8)
     rng = np.random.default_rng([seed, 7])
@@ -170,11 +173,6 @@ def calibrate(plant: GroundPlant, seed: int = 0) -> Estimate:
 def _log(episode: Episode, seed: Sequence[int]) -> Recording:
     """Log of a day: crutches are measured, feet and seat are not."""
     return episode.run.recording(SENSORS, np.random.default_rng([*seed, 300]), wrenches=(episode.run.plant.root_link,))
-
-
-def _filter(estimate: Estimate, episode: Episode) -> ContactFilter:
-    rate = 1.0 / float(episode.run.time[1] - episode.run.time[0])
-    return ContactFilter.of(estimate, episode.run.plant.soles, SENSORS.imu_position, rate=rate)
 
 
 def readings_of(

@@ -9,7 +9,7 @@ one changes all links. Each link stays consistent, and their sum is exact.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,6 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, NotSupportedError
-from exoid.leg.description import Description
 from exoid.leg.leg import Leg
 from exoid.leg.rewriting import read_inertials
 
@@ -113,12 +112,6 @@ class MassChange(NamedTuple):
     def change(self) -> float:
         """Factor of the change, at least 1 whether the link became heavier or lighter."""
         return max(self.factor, 1.0 / self.factor)
-
-
-def mass_changes(description: Description, links: Mapping[str, FloatArray]) -> tuple[MassChange, ...]:
-    """Compare masses of links with those in a URDF."""
-    before = read_inertials(description)
-    return tuple(MassChange(name, float(before[name][0]), float(pi[0])) for name, pi in links.items())
 
 
 def refuse_mass_changes(masses: Sequence[MassChange], mass_factor: float, name: str) -> None:
