@@ -244,6 +244,13 @@ class EstimateData(ParameterTable):
         rigid = self.values[: len(self.model.leg.parameter_names)]
         return WithColumns(self.model, (AlternativeFriction(rigid, self.model_error.speed),))
 
+    @property
+    def noise_variance(self) -> FloatArray:
+        """Variance of the noise of each joint's torque behind the filter of the training [N²·m²], (n,)."""
+        lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
+        residual = lost * self.residual_rms**2
+        return residual if self.model_error is None else self.model_error.noise(residual)
+
     def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
         """Variance of a measured torque about the predicted one: parameters, noise and model error.
 
@@ -262,11 +269,8 @@ class EstimateData(ParameterTable):
                 "the rows of a floating base have no measured torque",
                 remedy="use exoid.ground_forces and exoid.validate, which have bands",
             )
-        lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
-        noise, of_parameters = lost * self.residual_rms**2, parameter_variance(self.covariance, rows)
-        if self.model_error is None:
-            return of_parameters + bandwidth * noise
-        return of_parameters + bandwidth * self.model_error.noise(noise) + self.model_error.variance(rows)
+        variance = parameter_variance(self.covariance, rows) + bandwidth * self.noise_variance
+        return variance if self.model_error is None else variance + self.model_error.variance(rows)
 
     def torque_band(
         self,

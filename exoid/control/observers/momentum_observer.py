@@ -24,7 +24,7 @@ from exoid.tools.numbers import checked
 from .alignment import Alignment, AlignmentMemory, JointFilter
 from .in_c import observer_in_c
 from .momentum import MomentumModel
-from .noise import NoiseBand, Residual, SensorNoise, parameter_variance
+from .noise import NoiseBand, Residual, SensorNoise
 from .readings import ObservedTorque, ObserverReading, observed_log, refuse_readings
 
 
@@ -236,7 +236,8 @@ class MomentumObserver:
         torque, moved, bound = read[:, 0], read[:, 1:-1], read[:, -1]
         variance = self.band.variance(now.M, derived=derived)
         if isinstance(self.source, Estimate):
-            variance = variance + parameter_variance(self.source, moved)
+            # of parameters and of the model: noise is that of the band
+            variance = variance + self.source.measured_variance(moved.transpose(0, 2, 1), bandwidth=0.0)
         std, stiction = np.sqrt(variance), np.clip(bound, 0.0, None)
         settled = memory.samples + np.arange(len(rows)) >= self.settling
         detected = (np.abs(torque) > stiction + self.threshold * std) & settled[:, None]

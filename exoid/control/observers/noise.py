@@ -102,9 +102,7 @@ class Residual(NamedTuple):
         """Read the residual of an estimate; other models have none."""
         if not isinstance(source, Estimate):
             return cls(np.zeros(n), np.zeros(n), 1.0)
-        variance = (source.dof + len(source.values)) / source.dof * source.residual_rms**2
-        if source.model_error is not None:
-            variance = source.model_error.noise(variance)
+        variance = source.noise_variance
         if not source.inputs:
             return cls(variance, variance, 1.0)
         rate = min(given.sample_rate for given in source.inputs)
@@ -149,16 +147,6 @@ class NoiseBand(NamedTuple):
     def variance(self, M: FloatArray, *, derived: bool) -> FloatArray:
         """Variance of the reading at mass matrices (N, n, n), (N, n)."""
         return np.asarray(self.torque + M**2 @ (self.derived if derived else self.velocity))
-
-
-def parameter_variance(estimate: Estimate, moved: FloatArray) -> FloatArray:
-    """Variance by errors of the parameters and of the model, of filtered columns (N, K, n), (N, n)."""
-    rows = moved.transpose(0, 2, 1)
-    of_values = rows[..., : len(estimate.values)]
-    found = ((of_values @ estimate.covariance) * of_values).sum(-1)
-    if estimate.model_error is not None:
-        found = found + estimate.model_error.variance(rows)
-    return np.asarray(np.clip(found, 0.0, None))
 
 
 def filtered_noise(alignment: Alignment, one: JointFilter) -> list[FloatArray]:

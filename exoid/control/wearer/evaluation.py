@@ -45,7 +45,7 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     rubbing = estimate.model.friction
     prepared, data = prepare(estimate.model, recording, preparation, every=True), for_leg(estimate.model, recording)
     prepared = prepared._replace(motion=model.with_states(prepared.motion))
-    noise = estimate.measured_variance(np.zeros((1, len(estimate.joint_names), model.acting.shape[1])), bandwidth)[0]
+    noise = bandwidth * estimate.noise_variance
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)
     unknown, bodies, parts = _unknown_friction(estimate, prepared), np.zeros((leg + 1, leg + 1)), []
     for stretch, rows in zip(prepared.stretches(), each_row(model, prepared), strict=True):
