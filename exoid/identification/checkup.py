@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -50,11 +51,12 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     if all(isinstance(one, Poses) or one.a is not None for one in every):
         return fitted
     try:
-        noisier = [fit_linear(_noisier(problem, sign), estimator).fit.solution.values for sign in (1.0, -1.0)]
+        problems = (_with_motions(problem, partial(_noisier, np.random.default_rng(0), x)) for x in (1.0, -1.0))
+        noisy = [fit_linear(each, estimator).fit.solution.values for each in problems]
     except ExoidError:
         return fitted
     half = 2.0 * np.sqrt(np.diag(solution.covariance))
-    moves = in_half_widths(np.mean(noisier, axis=0) - solution.values, half)
+    moves = in_half_widths(np.mean(noisy, axis=0) - solution.values, half)
     # Half a half width: 95 % intervals then hold in 83 %; at two of them in 3 %
     names = tuple(problem.names[k] for k in np.argsort(-moves) if moves[k] > 0.5)
     if not names:
@@ -71,17 +73,12 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     return fitted._replace(findings=(*fitted.findings, finding))
 
 
-def _noisier(problem: Problem, sign: float) -> Problem:
-    """Add noise of its own size to motions whose accelerations are derived."""
-    rng = np.random.default_rng(0)
-
-    def once_more(_: Group, one: Recording) -> Recording:
-        noisy = replace(one, q=noisier(one.q, rng, sign))
-        if one.base is None or one.base.pose is not None:
-            return noisy
-        return replace(noisy, base=noisier_base(one.base, rng, sign))
-
-    return _with_motions(problem, once_more)
+def _noisier(rng: np.random.Generator, sign: float, _: Group, one: Recording) -> Recording:
+    """Add noise of its own size to a motion, of one sign or the other."""
+    noisy = replace(one, q=noisier(one.q, rng, sign))
+    if one.base is None or one.base.pose is not None:
+        return noisy
+    return replace(noisy, base=noisier_base(one.base, rng, sign))
 
 
 def _with_motions(problem: Problem, change: Callable[[Group, Recording], Recording]) -> Problem:
@@ -108,7 +105,7 @@ def rounding_errors(
     try:
         again = (
             _with_motions(problem, lambda _, one: one),
-            *(_rounded_again(problem, x) for x in (0.2, 0.4, 0.6, 0.8)),
+            *(_with_motions(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8)),
         )
         fits = [fit_linear(each, estimator) for each in again]
     except ExoidError:
@@ -144,16 +141,12 @@ def rounding_repeats(q: FloatArray) -> bool:
     return bool(((size > 0.3) & (size < 2.0)) @ (alike.max(axis=0, initial=0.0) > 0.5 * np.sum(rough**2, axis=0)))
 
 
-def _rounded_again(problem: Problem, shift: float) -> Problem:
+def _rounded_again(shift: float, group: Group, one: Recording) -> Recording:
     """Add the rounding of counts that begin elsewhere."""
-
-    def once_more(group: Group, one: Recording) -> Recording:
-        assert group.preparation is not None
-        count = np.array([max(quantum(x), 1e-9) for x in one.q.T])
-        smooth = group.preparation.filter(one.q, one.sample_rate) / count + shift
-        return replace(one, q=one.q + count * (np.round(smooth) - smooth))
-
-    return _with_motions(problem, once_more)
+    assert group.preparation is not None
+    count = np.array([max(quantum(x), 1e-9) for x in one.q.T])
+    smooth = group.preparation.filter(one.q, one.sample_rate) / count + shift
+    return replace(one, q=one.q + count * (np.round(smooth) - smooth))
 
 
 def without_delays(problem: Problem, fitted: Fitted) -> Problem:

@@ -58,7 +58,12 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     for _ in range(ROUNDS):
         free = tuple(each for each in constants if each.name not in held)
         found = with_constants(actuators, point.constants)
-        data, given_model = _recomputed(group.data, found), (model.leg, model.terms, model.rigid, model.regrouped)
+        given_model = model.leg, model.terms, model.rigid, model.regrouped
+        again = partial(recompute, found)
+        if isinstance(group.data, Recordings):  # those on disk stay there
+            data: Data = group.data.changed(again)
+        else:
+            data = [again(one) if isinstance(one, Recording) else one for one in group.data]
         linear = DriveModel(*given_model, model.separate, point=point.values, constants=free, actuators=found)
         problem = given.changed(data=data, model=linear, actuators=found)
         fit = _fit(estimator, problem, names)
@@ -180,13 +185,6 @@ class _Step(NamedTuple):
         scales = [ratio for each, ratio in zip(self.constants, ratios, strict=True) if each.constant.is_scale]
         scale = float(np.exp(np.mean(np.log(scales)))) if scales else 1.0
         return _Point(self.point.values + scale * (self.values - self.point.values), found)
-
-
-def _recomputed(data: Data, actuators: Actuators) -> Data:
-    """Compute torques with other constants; recordings on disk stay there."""
-    if isinstance(data, Recordings):
-        return data.changed(partial(recompute, actuators))
-    return [recompute(actuators, each) if isinstance(each, Recording) else each for each in data]
 
 
 def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:

@@ -86,10 +86,6 @@ class Footing(NamedTuple):
         variance = np.diag(self.found.spread)[self.part(LEAN)]
         return float(np.sqrt(variance.max(initial=0.0) * self.found.blocks))
 
-    def plus(self, step: FloatArray) -> Footing:
-        """Change the numbers."""
-        return self._replace(found=self.found._replace(values=self.found.values + step))
-
     def carried(self, leg: Leg, one: Recording, link: str) -> StandingBase:
         """Motion of a base that one of the feet carries."""
         # It follows from the angles once more: a foot leans with the ground, on its sole, and as it rocks
@@ -137,7 +133,8 @@ def footing_effects(fitted: Fitted, about: Footing) -> Effects:
         k = k + (np.arange(sizes[KNOTS]) + parts[KNOTS].start - k) % COLOURS
         return np.hstack([np.tile(fixed, (len(time), 1)), np.where((k >= own.start) & (k < own.stop), k, -1)])
 
-    others = [tilted(fitted.problem, about.plus(change), about) for change in changes]
+    moved = [about._replace(found=about.found._replace(values=about.found.values + change)) for change in changes]
+    others = [tilted(fitted.problem, each, about) for each in moved]
     return Effects(others, np.repeat(STEPS, sizes), np.repeat(STDS, counts), -about.found.values, numbers)
 
 

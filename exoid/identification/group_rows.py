@@ -68,11 +68,6 @@ class Group:
     _latest: dict[int, Rows] = field(default_factory=dict, init=False, repr=False)  # decimated rows of one recording
     _prepared: dict[int, Prepared] = field(default_factory=dict, init=False, repr=False)
 
-    @property
-    def stands(self) -> bool:
-        """Whether recordings have to be split by the links that rest on the ground."""
-        return bool(self.model.leg.base_rows) or any(one.stands for one in self.summaries)
-
     @cached_property
     def r_factors(self) -> list[RFactor]:
         """One R factor a joint over all recordings, then one over all poses, which have noise of their own."""

@@ -97,15 +97,14 @@ class Problem:
         """Joints of all groups, group by group."""
         return [name for group in self.groups for name in group.model.row_names]
 
-    def solve(self, r_factor: RFactor, prior_knowledge: PriorKnowledge | None = None) -> Solution:
+    def solve(self, r_factor: RFactor) -> Solution:
         """Solve for weighted rows, with what is known beside them."""
-        knowledge = prior_knowledge or self.prior_knowledge
         never = None
-        if knowledge.nonnegative:
+        if self.given.nonnegative:
             never = np.zeros(len(self.names), dtype=np.bool_)
             for places, group in zip(self.places, self.groups, strict=True):
                 never[places] |= group.model.nonnegative
-        return solve(r_factor, self.names, knowledge, never)
+        return solve(r_factor, self.names, self.prior_knowledge, never)
 
     @cached_property
     def r_factors(self) -> list[RFactor]:

@@ -124,7 +124,10 @@ def read_external(
     table: Table, columns: Mapping[str, FloatArray], given_frames: Mapping[str, WrenchFrame | str] | None
 ) -> dict[str, Any]:
     """Make the wrenches and contacts of a log."""
-    said = _said_frames(table)
+    said: dict[str, WrenchFrame] = {}
+    for text in table.said.get(WRENCH, ()):
+        with within(f"line '{WRENCH}'"):
+            said.update([frame_of_link(text)])
     with within("wrench_frames"):
         given = {
             link: WrenchFrame.from_text(frame) if isinstance(frame, str) else WrenchFrame(*frame)
@@ -151,16 +154,6 @@ def read_external(
         with within(f"column {name}"):
             contacts[name.removeprefix(CONTACT)] = checks.as_mask(columns[name], "a contact")
     return {"wrenches": wrenches, "contacts": contacts}
-
-
-def _said_frames(table: Table) -> dict[str, WrenchFrame]:
-    """Axes and points that lines of a text file give."""
-    found: dict[str, WrenchFrame] = {}
-    for text in table.said.get(WRENCH, ()):
-        with within(f"line '{WRENCH}'"):
-            link, frame = frame_of_link(text)
-            found[link] = frame
-    return found
 
 
 def _wrench(link: str, columns: Mapping[str, FloatArray], frame: WrenchFrame | None) -> Wrench:

@@ -78,11 +78,6 @@ class Recording(RecordingData):
         Recording(100 samples at 50 Hz, 1.98 s; joints: knee; q)
     """
 
-    def _size(self) -> str:
-        uneven = "" if self.is_uniform else " (uneven)"
-        part = "" if self.mask is None else f", {np.count_nonzero(self.mask)} in {len(self.segment_times)} segments"
-        return f"{len(self)} samples at {self.sample_rate:.4g} Hz, {self.duration:.4g} s{uneven}{part}"
-
     def __len__(self) -> int:
         return len(self.time)
 
@@ -97,8 +92,10 @@ class Recording(RecordingData):
         base = "" if self.base is None else "; moving base"
         ground = f"; wrenches: {', '.join(self.wrenches)}" if self.wrenches else ""
         ground += f"; contacts: {', '.join(self.contacts)}" if self.contacts else ""
-        rest = f"{unmeasured}{passive}{payloads}{base}{ground}"
-        return f"Recording({self._size()}; joints: {joints}; {named}{rest})"
+        uneven = "" if self.is_uniform else " (uneven)"
+        part = "" if self.mask is None else f", {np.count_nonzero(self.mask)} in {len(self.segment_times)} segments"
+        size = f"{len(self)} samples at {self.sample_rate:.4g} Hz, {self.duration:.4g} s{uneven}{part}"
+        return f"Recording({size}; joints: {joints}; {named}{unmeasured}{passive}{payloads}{base}{ground})"
 
     @property
     def n_joints(self) -> int:
