@@ -28,12 +28,6 @@ class LinearisedRows(NamedTuple):
     columns: Sequence[NDArray[np.intp]]  # parameters that act on each channel, as indices
     blocks: Sequence[RowBlock]  # rows of each recording
 
-    @staticmethod
-    def of(blocks: Sequence[RowBlock]) -> LinearisedRows:
-        """Collect recordings."""
-        _, channels, parameters = blocks[0].rows.W.shape
-        return LinearisedRows([np.arange(parameters)] * channels, blocks)
-
     def weight_index(self, kind: NoiseKind, joint: int) -> int:
         """All rows have one weight."""
         return 0
@@ -181,7 +175,7 @@ class System(NamedTuple):
             acting, still = np.ones(W.shape[1:], dtype=np.bool_), np.zeros_like(residual)
             each = Rows(data.time, W, residual + W @ state.values, still, still, usable > 0.0, acting, 1.0)
             blocks.append(RowBlock(NoiseKind(at_rest=False, rate_class=rate_class(data.time)), each))
-        return LinearisedRows.of(blocks)
+        return LinearisedRows([np.arange(len(state.values))] * (2 * len(levels.angle)), blocks)
 
     def criterion(self, residuals: Residuals, levels: Levels) -> float:
         """See :attr:`MotionFit.criterion`; σ² = Σ residual² / (N (1 − t)), and of t only this is needed."""
