@@ -101,7 +101,7 @@ class SmoothStepper(Stepper):
         of_motors, their_slope = linearise(axes @ self._ahead, self._widths)
         self._steady, self._gain = c * steady + axes.T @ (self._coulomb * of_motors), c * slope
         self._coupled = np.einsum("mi,mb,mj->ijb", axes, self._coulomb * their_slope + self._viscous, axes)
-        M, impulse = self._equations(torque, self.plant.viscous + damping + self._gain, self._steady)
+        M, impulse = super().equations(torque - self._steady, damping + self._gain)
         M += 0.5 * self.dt * self._coupled + self._rotors[..., None]
         return Equations(M, impulse - self.dt * (self._coupled * self.v).sum(axis=1))
 

@@ -91,17 +91,11 @@ class Stepper:
         Returns:
             Inertia and impulse of the step.
         """
-        return self._equations(torque, self.plant.viscous + damping)
-
-    def _equations(self, torque: FloatArray, damping: FloatArray, friction: FloatArray | None = None) -> Equations:
-        """Equations under a damping of all kinds and a torque of smooth friction."""
-        plant = self.plant
+        plant, damping = self.plant, self.plant.viscous + damping
         q = self._middle = self.q + 0.5 * self.dt * self.v
         b2, b1, b0 = plant.stiffness
         M, force = self._bodies.dynamics(q, self._ahead)
         force += (b2 * q + b1) * q + b0
-        if friction is not None:
-            force += friction
         force += damping * self.v
         np.subtract(torque, force, out=force)
         diagonal = M.reshape(-1, plant.count)[:: plant.n + 1]
