@@ -141,7 +141,7 @@ def footing_effects(fitted: Fitted, about: Footing) -> Effects:
 def _begin(fitted: Fitted, about: Footing | None, *, rocking: bool) -> Footing | None:
     """Tell what numbers say how feet stand, with the values that were found before; None where there are none."""
     leg = fitted.models[0].leg
-    data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
+    data = fitted.problem.motions
     links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
     # a lean of the ground turns gravity in what feet told, too
     stand = bool(links) or any(isinstance(one.base, CorrectedBase) and one.base.pose is None for one in data)

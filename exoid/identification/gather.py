@@ -120,8 +120,7 @@ def gather(
             chosen = preparation or ZeroPhase(cutoff_from(powers) if cutoff is None else cutoff)
             refuse_dead_torques(group.model, group.summaries)
         without = unmeasured_joints(group.model.leg.joint_names, group.summaries)
-        share = 1.0 / len(problem.groups)
-        groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=share))
+        groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=1.0 / len(problem.groups)))
         if group.actuators is not None and unknown_constants(group.actuators):
             refuse_unknown_scale(group.actuators, group.summaries, problem.given)
     return replace(problem, groups=tuple(groups))

@@ -42,8 +42,7 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     names, count = fitted.models[0].joint_names, len(fitted.problem.names)
     if any(model.joint_names != names for model in fitted.models):
         return
-    data = (one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording))
-    passive = {name for one in data for name in one.passive}  # their torque is zero, and no measurement
+    passive = {name for one in fitted.problem.motions for name in one.passive}  # their torque is no measurement
     joints = [joint for joint, name in enumerate(names) if name not in passive]
     faults = [(kind, joint) for kind in SIZES for joint in (range(len(names)) if kind == "angle-offset" else joints)]
     found = equations(fitted, _effects(fitted, footing, faults))

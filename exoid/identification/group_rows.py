@@ -84,6 +84,11 @@ class Group:
         count = len(self.model.row_names)
         return [self.r_factors[row::count] for row in range(count)]
 
+    @property
+    def motions(self) -> list[Recording]:
+        """Recordings among the data: of a leg that stands these are all."""
+        return [one for one in self.data if isinstance(one, Recording)]
+
     def at_rest(self, index: int) -> bool:
         """Say whether one of the recordings is poses, without reading it."""
         return isinstance((self.data.items if isinstance(self.data, Recordings) else self.data)[index], Poses)

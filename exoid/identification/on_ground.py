@@ -90,12 +90,12 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     # 0.1 m/s² that limbs push in flight, 0.02 m/s² count. The same noise once more moves them by about as much again.
     rng, groups, found = np.random.default_rng(0), [], []
     for group in fitted.problem.groups:
-        data, leg = list(group.data), group.model.leg
+        data, leg = group.motions, group.model.leg
         links = group.model.links if isinstance(group.model, SupportModel) else ()
         hangs = links and all(link_frame(leg.model, leg.description, link).body < 0 for link in links)
         hangs = hangs and leg.description.root_link not in links
         for k, one in enumerate(data):
-            if not isinstance(one, Recording) or not leg.base_rows or one.base is None or one.base.pose is not None:
+            if not leg.base_rows or one.base is None or one.base.pose is not None:
                 continue
             if not hangs and (links or not flies(one.base.specific_force[one.mask])):
                 continue
@@ -120,8 +120,7 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
 
 def _told_findings(fitted: Fitted) -> Iterator[Finding]:
     """Say what feet told of the errors of sensors."""
-    data = [one for group in fitted.problem.groups for one in group.data if isinstance(one, Recording)]
-    bases = [(one.file_name, one.base) for one in data if isinstance(one.base, CorrectedBase)]
+    bases = [(one.file_name, one.base) for one in fitted.problem.motions if isinstance(one.base, CorrectedBase)]
     # stretches of a recording share what was told; names of recordings may be alike
     for name, base in {(name, id(base.told), base.own): (name, base) for name, base in bases}.values():
         when = "while a foot rested" if base.own else "by another recording of the session"
@@ -240,11 +239,10 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArra
     # which are errors of filters, and no wrong contacts
     quantiles = np.array([np.quantile(x, (0.5, 0.9)) if len(x) else (np.inf, np.inf) for x in sizes])
     middle, most = quantiles.T / [[0.6745], [1.6449]]  # those of normal noise
-    stands = any(isinstance(one, Recording) and isinstance(one.base, StandingBase) for one in group.data)
+    stands = any(isinstance(one.base, StandingBase) for one in group.motions)
     middle = middle if stands else np.clip(most, middle, 2.0 * middle)
     scale = np.maximum(middle, 0.003 * rms_residuals(problem, [index], np.zeros(len(problem.names))))
-    for one, (time, left) in zip(group.data, residuals, strict=True):
-        assert isinstance(one, Recording)
+    for one, (time, left) in zip(group.motions, residuals, strict=True):
         assert one.mask is not None  # see `split`
         far = np.zeros(len(one), dtype=np.bool_)
         far[np.searchsorted(one.time, time[(np.abs(left) > 6.0 * scale).any(axis=1)])] = True

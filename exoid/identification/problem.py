@@ -48,6 +48,11 @@ class Problem:
         """Known parameters, priors and signs, by the names of the layout."""
         return self.layout.spread(self.given)
 
+    @property
+    def motions(self) -> list[Recording]:
+        """Recordings of all groups."""
+        return [one for group in self.groups for one in group.motions]
+
     def parts(self, name: str) -> list[int]:
         """Places of the groups of one name: with contacts there is one for each set of links that rest."""
         return [k for k, group in enumerate(self.groups) if group.name == name]

@@ -29,7 +29,6 @@ from exoid.regression.diagnostics import (
 )
 from exoid.regression.fit import samples_left, uncertainty_of
 from exoid.regression.least_squares import rms_residual, stack
-from exoid.signals import Recording
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.stretches import Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
@@ -181,8 +180,8 @@ class Result:
         stretches = [
             Stretch(one.model.links, (), recording)
             for one in groups
-            for recording in one.data
-            if isinstance(recording, Recording) and isinstance(one.model, SupportModel)
+            if isinstance(one.model, SupportModel)
+            for recording in one.motions
         ]
         found += cone_findings(estimate, stretches)
         return replace(estimate, findings=ordered((*estimate.findings, *found)))
@@ -246,11 +245,7 @@ def _reference_scale(fitted: Fitted) -> FloatArray:
 def _support(group: Group, values: FloatArray) -> Support:
     """Describe the rows of one set of links that rest."""
     rms = [rms_residual(of_row, values) for of_row in group.by_row]
-    seconds = sum(
-        float(np.count_nonzero(one.mask)) / one.sample_rate
-        for one in group.data
-        if isinstance(one, Recording) and one.mask is not None
-    )
+    seconds = sum(float(np.count_nonzero(one.mask)) / one.sample_rate for one in group.motions if one.mask is not None)
     return Support(group.links or "", seconds, dict(zip(group.model.row_names, rms, strict=True)))
 
 

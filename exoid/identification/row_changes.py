@@ -164,7 +164,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
         # without poses, R factors are counted as rows are
         weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
         values = fitted.values(k)
-        for index, one in enumerate(group.data):
+        for index, one in enumerate(group.motions):
             rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in effects.others)))
             first = residual(rows, values)
             changes = [first - residual(each, values) for each in changed]
@@ -172,7 +172,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
             columns = np.concatenate(both, axis=-1) * weights[:, None]
             depends = (
                 np.tile(np.arange(more), (len(first), 1))
-                if not isinstance(one, Recording) or effects.numbers is None
+                if effects.numbers is None
                 else effects.numbers(one, rows.time)
             )
             # rows of all supports of a recording share its blocks of time
@@ -199,8 +199,7 @@ def changed(problem: Problem, parts: Sequence[int], change: Callable[[TorqueMode
     groups = list(problem.groups)
     for k in parts:
         group = groups[k]
-        data = [change(group.model, one) if isinstance(one, Recording) else one for one in group.data]
-        groups[k] = replace(group, data=tuple(data))
+        groups[k] = replace(group, data=tuple(change(group.model, one) for one in group.motions))
     return replace(problem, groups=tuple(groups))
 
 

@@ -50,7 +50,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
     found: dict[tuple[tuple[str, ...], bool], list[Recording]] = {}
     findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
-    data = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
+    data = [for_leg(model, one) for one in group.motions]
     if len(data) < len(group.data):
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
     if group.preparation is None or any(group.preparation.parallel(one.sample_rate) is None for one in data):
