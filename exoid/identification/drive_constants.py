@@ -49,7 +49,7 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     """Find unknown constants of drives beside the parameters of a leg; the actuators of the result have them."""
     # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drives.DriveModel`, and
     # goes on from κ = κ₀ / (1 − δ / κ₀). For one joint this is exact from any κ₀, as the equation is linear in 1 / κ.
-    group, model, actuators = given.single, given.model, given.single.actuators
+    group, model, actuators = given.single, given.single.model, given.single.actuators
     assert actuators is not None
     constants = unknown_constants(actuators)
     names = tuple(each.name for each in constants)

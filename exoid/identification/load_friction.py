@@ -25,7 +25,7 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
     """Solve for a linearised model again and again: by weighted least squares, then by the estimator asked for."""
     values, change = _start(given), np.inf
     for _ in range(STEPS):
-        problem = given.changed(model=Linearised.of(given.model, values))
+        problem = given.changed(model=Linearised.of(given.single.model, values))
         fit = fit_linear(problem, estimator).fit
         before, values = values, fit.solution.values
         moved = values - before
@@ -40,7 +40,7 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
             break
     # After the last step, a warning is due if predictions still change by more than this part of the residual
     unsettled = () if change <= 0.02 else (f"the fit has not settled in {STEPS} steps: leave some terms out",)
-    model = given.model
+    model = given.single.model
     settled = TorqueModel(model.leg, model.terms, values[: len(model.leg.parameter_names)], separate=model.separate)
     return Fitted(problem, fit, (settled,), NO_NONLINEAR_PARAMETERS, (*fit.warnings, *unsettled))
 
@@ -49,7 +49,7 @@ def _start(given: Problem) -> FloatArray:
     """Solve from no load on, rows of each joint over its torque, or over a hundredth of the largest one."""
     values = given.prior_knowledge.fixed_values(given.names)
     for _ in range(STEPS):
-        problem = given.changed(model=Linearised.of(given.model, values))
+        problem = given.changed(model=Linearised.of(given.single.model, values))
         torques = np.array([np.linalg.norm(t.R[:, -1]) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors])
         weights = 1.0 / np.maximum(torques, max(0.01 * torques.max(), TINY))
         values, moved = _solve(given, problem.r_factors, weights.tolist(), values)
@@ -78,7 +78,7 @@ def _solve(
 def _refuse_unloaded(given: Problem, r_factors: Sequence[RFactor]) -> None:
     """Refuse friction that depends on a rigid-body torque where there is none."""
     columns = np.sqrt(sum(t.R**2 for t in r_factors)).max(axis=0)
-    loads = {name for block in given.model.blocks if block.term.loaded for name in block.names}
+    loads = {name for block in given.single.model.blocks if block.term.loaded for name in block.names}
     loads -= set(given.prior_knowledge.known)
     # Columns of friction under load below this part of the torque count as zero
     unloaded = [n for n, size in zip(given.names, columns, strict=False) if n in loads and size <= 1e-6 * columns[-1]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, Pri
 from exoid.regression.problem import Fit
 from exoid.regression.row_data import NoiseKind, RowBlock
 from exoid.regression.rows import rate_class
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Recording
 from exoid.torques import Term, TorqueModel
 
 from .group_rows import Group
@@ -71,22 +71,6 @@ class Problem:
                 remedy="use one of huber, ols, wls",
             )
         return self.groups[0]
-
-    @property
-    def model(self) -> TorqueModel:
-        """Torque model of the only group."""
-        return self.single.model
-
-    @property
-    def local_data(self) -> Sequence[Recording | Poses]:
-        """Recordings and poses of the only group."""
-        return self.single.data
-
-    @property
-    def preparation(self) -> Preparation:
-        """How the recordings of the only group become rows."""
-        assert self.single.preparation is not None
-        return self.single.preparation
 
     def changed(self, **changes: object) -> Problem:
         """Return the same problem with other data, model or preparation of all groups."""

@@ -111,7 +111,7 @@ def test_the_sandwich_agrees_with_statsmodels_hac(pendulum):
 def test_huber_is_that_of_statsmodels(pendulum):
     problem = problem_of(pendulum, 6)
     rng = np.random.default_rng(7)
-    (recording,) = problem.local_data
+    (recording,) = problem.single.data
     tau = recording.tau + 20.0 * (rng.random(recording.tau.shape) < 0.05)
     problem = problem.changed(data=[dataclasses.replace(recording, tau=tau)])
     W, tau = regression_of(problem)

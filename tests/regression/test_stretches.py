@@ -73,8 +73,8 @@ def test_rows_come_in_several_stretches_that_cover_the_recording(short_stretches
     short_stretches(1.0)
     problem = Problem((Group("", TorqueModel(SWING.leg, TERMS), [recording(), recording(1)], ZeroPhase()),))
     blocks = list(problem.blocks())
-    prepared = rows_module.prepare(problem.model, recording(), problem.preparation)
-    whole = rows_module.form_rows(problem.model, prepared, prepared.rows)
+    prepared = rows_module.prepare(problem.single.model, recording(), ZeroPhase())
+    whole = rows_module.form_rows(problem.single.model, prepared, prepared.rows)
     assert len(blocks) > 10
     half = blocks[: len(blocks) // 2]
     for name in ("time", "q", "usable"):
@@ -90,7 +90,7 @@ def test_decimated_rows_are_the_same_ones_in_stretches(short_stretches):
     problem = Problem((Group("", TorqueModel(SWING.leg, TERMS), [recording()], ZeroPhase()),))
     (whole,) = problem.recordings()
     short_stretches(1.0)
-    (parts,) = Problem((Group("", problem.model, problem.local_data, problem.preparation),)).recordings()
+    (parts,) = Problem((Group("", problem.single.model, [recording()], ZeroPhase()),)).recordings()
     np.testing.assert_array_equal(parts.rows.time, whole.rows.time)
     np.testing.assert_allclose(parts.rows.W, whole.rows.W, rtol=0, atol=1e-11)
     assert parts.rows.stands_for == whole.rows.stands_for

@@ -12,6 +12,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.regression.fit import wls
 from exoid.regression.problem import Fit
@@ -72,19 +73,19 @@ class JointML:
 
         Terms with memory or load, close knots, payloads and several groups are refused.
         """
-        _refuse_what_it_lacks(problem)
+        group = problem.single
+        _refuse_what_it_lacks(group)
         first = wls(problem)
-        model = smooth(problem.model)
-        preparation = ZeroPhase(choose_cutoff([for_leg(problem.model, data) for data in problem.local_data]))
-        recordings = [data for data in problem.local_data if isinstance(data, Recording)]
-        moving = [_moving(problem.model, data, preparation) for data in recordings]
+        model = smooth(group.model)
+        preparation = ZeroPhase(choose_cutoff([for_leg(group.model, data) for data in group.motions]))
+        moving = [_moving(group.model, data, preparation) for data in group.motions]
         fit = partial(
             fit_motion,
             model,
             solve=problem.solve,
             priors=problem.prior_knowledge.pseudo_rows(problem.names),
         )
-        start = first if preparation == problem.preparation else wls(problem.changed(preparation=preparation))
+        start = first if preparation == group.preparation else wls(problem.changed(preparation=preparation))
         values, spacing = start.solution.values, self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)
         if spacing is None:
@@ -106,12 +107,12 @@ class JointML:
         return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)
 
 
-def _refuse_what_it_lacks(problem: Problem) -> None:
+def _refuse_what_it_lacks(group: Group) -> None:
     """Refuse terms whose torque does not follow from the motion of the moment alone, and what acts beside the leg."""
-    model = problem.model
+    model = group.model
     if type(model) is not TorqueModel or any(term.loaded or term.internal_state is not None for term in model.terms):
         raise NotSupportedError("ml takes no friction that remembers or depends on load", remedy="use wls or huber")
-    for data in problem.local_data:
+    for data in group.data:
         lacks = "poses" if isinstance(data, Poses) else ", ".join(map(str, data.payloads))
         if isinstance(data, Recording) and not lacks:
             links = [link for link, wrench in data.wrenches.items() if wrench.columns.any()]
