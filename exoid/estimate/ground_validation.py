@@ -20,7 +20,7 @@ from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
-from exoid.torques.contacts.elimination import eliminate, reference_axes
+from exoid.torques.contacts.elimination import eliminate
 from exoid.torques.contacts.standing_base import LEVEL as TILT
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
 from exoid.torques.contacts.stretches import Split, Stretch
@@ -116,7 +116,7 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
         recording = stretch.recording
         if not stretch.links or recording.tau is None or not recording.measured.all():
             continue
-        support = _support(estimate, stretch)
+        support = SupportModel.of(estimate.model, stretch.links, recording.q[recording.mask])
         steps = size * np.vstack([np.zeros(count), np.eye(count)])
         rows = [make_rows(support, level.under(leg, recording, step), estimate.preparation) for step in steps]
         weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # a log without noise has rows, too
@@ -145,16 +145,10 @@ def in_time_order(parts: Sequence[T]) -> T:
     return type(parts[0])(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
 
 
-def _support(estimate: EstimateData, stretch: Stretch) -> SupportModel:
-    """Torque model while the same links rest."""
-    model, links, recording = estimate.model, stretch.links, stretch.recording
-    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
-    return SupportModel.of(model, links, axes)
-
-
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
     """Predict the torques while the same links rest."""
-    links, recording, support = stretch.links, stretch.recording, _support(estimate, stretch)
+    links, recording = stretch.links, stretch.recording
+    support = SupportModel.of(estimate.model, links, recording.q[recording.mask])
     axes, rows = support.axes, make_rows(support, recording, preparation)
     known = np.zeros_like(rows.tau) if rows.known is None else rows.known
     measured, predicted = rows.tau + known, rows.W @ estimate.values + known

@@ -21,7 +21,6 @@ from exoid.signals.filters.reversals import around_stops, reversal_pulses, witho
 from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
 from exoid.torques.contacts import split
-from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.motion import BLOCK
 
@@ -165,8 +164,7 @@ def supports_during(
                 remedy="leave the wrenches of the feet out: their noise is not known",
             )
         q = np.vstack([one.q[one.mask] for one in parts])
-        axes = reference_axes(model.leg, links, q[:: 1 + len(q) // 2000]) if links else None
-        yield SupportModel.of(model, links, axes), parts
+        yield SupportModel.of(model, links, q[:: 1 + len(q) // 2000]), parts
 
 
 def _r_factor(*blocks: FloatArray) -> FloatArray:
