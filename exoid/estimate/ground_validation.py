@@ -16,7 +16,6 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
-from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
@@ -46,11 +45,6 @@ class Compared(NamedTuple):
     predicted: FloatArray  # predicted torque [N·m], (N, n)
     variance: FloatArray  # variance of the measured torque about the predicted one [N²·m²], (N, n)
     known: FloatArray  # part of both that is known: torque of measured wrenches and of payloads [N·m], (N, n)
-
-
-def stands(estimate: EstimateData, recording: Recording) -> bool:
-    """Tell whether a recording has to be split by the links that rest on the ground."""
-    return bool(estimate.model.leg.base_rows) or depends_on_contacts(recording)
 
 
 def compare_on_ground(

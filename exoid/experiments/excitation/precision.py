@@ -16,7 +16,7 @@ from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
-from exoid.signals.contacts import depends_on_contacts
+from exoid.signals.contacts import stands
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
@@ -126,7 +126,7 @@ def information_of(
 
 def on_ground(model: TorqueModel, recordings: Iterable[Recording]) -> bool:
     """Tell whether rows are those of a leg on the ground: its base floats, or a log depends on contacts."""
-    return bool(model.leg.base_rows) or any(depends_on_contacts(for_leg(model, one)) for one in recordings)
+    return bool(model.leg.base_rows) or any(stands(model.leg, for_leg(model, one)) for one in recordings)
 
 
 def _information_on_ground(
