@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.torques import Motion, Presliding
+from exoid.torques.presliding import hysteresis
 from exoid.torques.terms import SMOOTHING
 
 LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
@@ -37,12 +38,10 @@ class AlternativeFriction:
 
     def motion(self, motion: Motion) -> Motion:
         """Add presliding states."""
-        states: dict[tuple[int, Presliding], FloatArray] = {
-            (j, presliding): presliding.states(motion.q[:, j], motion.v[:, j])
-            for j in range(motion.q.shape[1])
-            for presliding in map(Presliding, LENGTHS)
-        }
-        return motion._replace(states={**motion.states, **states})
+        states = dict(motion.states)
+        for j, (q, v) in enumerate(zip(motion.q.T, motion.v.T, strict=True)):
+            states |= zip(((j, Presliding(x)) for x in LENGTHS), hysteresis(q, v, np.array(LENGTHS)), strict=True)
+        return motion._replace(states=states)
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
         """Write the columns."""

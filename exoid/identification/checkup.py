@@ -135,10 +135,11 @@ def rounding_repeats(q: FloatArray) -> bool:
     rough, half = np.diff(q, 8, axis=0), len(q) // 2
     if half <= 20:
         return False
-    power = np.abs(scipy.fft.rfft(rough, 2 * len(rough), axis=0)) ** 2
-    alike = scipy.fft.irfft(power, axis=0)[20:half] / np.linspace(1.0, 0.5, half)[20:, None]
     size = np.sqrt(12.0 / 12870.0 * np.mean(rough**2, axis=0)) / [max(quantum(x), 1e-7) for x in q.T]
-    return bool(((size > 0.3) & (size < 2.0)) @ (alike.max(axis=0, initial=0.0) > 0.5 * np.sum(rough**2, axis=0)))
+    rounded = rough.T[(size > 0.3) & (size < 2.0)]
+    power = np.abs(scipy.fft.rfft(rounded, 2 * len(rough))) ** 2
+    alike = scipy.fft.irfft(power)[:, 20:half] / np.linspace(1.0, 0.5, half)[20:]
+    return bool((alike.max(axis=1, initial=0.0) > 0.5 * np.sum(rounded**2, axis=1)).any())
 
 
 def _rounded_again(shift: float, group: Group, one: Recording) -> Recording:

@@ -76,9 +76,9 @@ class Prepared(NamedTuple):
 
 
 def prepare(
-    model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False
+    model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False, stops: bool = True
 ) -> Prepared:
-    """Derive the kinematics of a recording; poses have no velocity and need no filter."""
+    """Derive kinematics, for every row or those that are not redundant; stops of joints can be taken out of these."""
     data = for_leg(model, data)
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
@@ -106,7 +106,7 @@ def prepare(
     counted = np.flatnonzero(inside)
     rows = range(int(counted[0]), int(counted[-1]) + 1)
     stride = 1 if parallel is None or every else parallel.stride
-    slow = None if parallel is None or every else model.reversing(v)
+    slow = None if parallel is None or every or not stops else model.reversing(v)
     computed = np.isin(recording.joint_names, recording.computed) if recording.computed else None
     base = recording.torso if recording.base is None else base_during(recording, preparation)
     try:

@@ -6,10 +6,8 @@ import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray
 from exoid.errors import BadArgumentError
-from exoid.leg.leg import Leg
 
 from . import checks
-from .poses import Poses
 from .recording import Recording
 from .wrench import Wrench
 
@@ -68,7 +66,6 @@ def contacts_from_wrench(wrench: Wrench, *, up: ArrayLike = (0.0, 0.0, 1.0)) -> 
     return np.where(last >= 0, above[np.maximum(last, 0)], before)
 
 
-def stands(leg: Leg, data: Recording | Poses) -> bool:
+def depends_on_contacts(recording: Recording) -> bool:
     """Tell whether rows depend on contacts: by forces that were not measured, or by jolts under passive joints."""
-    unmeasured = isinstance(data, Recording) and {*data.contacts} - {*data.wrenches}
-    return bool(leg.base_rows or unmeasured or (isinstance(data, Recording) and data.contacts and data.passive))
+    return bool({*recording.contacts} - {*recording.wrenches} or (recording.contacts and recording.passive))

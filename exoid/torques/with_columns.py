@@ -60,10 +60,8 @@ class WithColumns:
         """Form the columns."""
         columns = self.model.columns(motion)
         out = np.zeros((self.acting.shape[1], *columns.shape[1:]))
-        start = len(columns)
-        out[:start] = columns
-        for extra in self.extras:
-            stop = start + extra.acting.shape[1]
-            extra.fill(motion, columns, out[start:stop])
-            start = stop
+        own, *others = np.split(out, np.cumsum([len(columns), *(one.acting.shape[1] for one in self.extras)])[:-1])
+        own[:] = columns
+        for extra, part in zip(self.extras, others, strict=True):
+            extra.fill(motion, columns, part)
         return out

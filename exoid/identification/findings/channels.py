@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -63,8 +62,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     rate = float((len(recording.time) - 1) / (recording.time[-1] - recording.time[0]))
     for k, joint in enumerate(recording.joint_names):
         angle = Channel(recording.time, rate, angles[k], recording.q, joint, "angle", "rad")
-        for check in CHECKS["angle"]:
-            yield from check(angle)
+        yield from frozen_angle(angle)
         if torques is None or not driven[k]:
             continue
         torque = replace(angle, x=torques[k], noun="torque", unit="N·m")
@@ -73,7 +71,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
             measured = ((name, x[:, k]) for name, x in read if x is not None and not np.isnan(x[:, k]).any())
             for name, x in list(measured)[:1]:
                 torque = replace(angle, x=x, noun=nouns[name], unit=UNITS[name])
-        for check in CHECKS["torque"]:
+        for check in (saturation, frozen_torque, repeated_values, outliers):
             yield from check(torque)
 
 
@@ -114,11 +112,11 @@ def saturation(channel: Channel) -> Iterator[Finding]:
 
 def frozen_torque(channel: Channel) -> Iterator[Finding]:
     """Find times in which a torque keeps one value although the leg moves."""
-    travel = 0.05 * np.ptp(channel.others, axis=0)  # of a joint that moves
-    every = channel.long_runs(FROZEN_TORQUE)
+    every, q = channel.long_runs(FROZEN_TORQUE), channel.others
     # A coarse sensor leaves a value by its smallest step, and one that was frozen by a jump
     every = [run for run in every if run[1] == len(channel.x) or channel.steps[run[1] - 1] > 1.5 * quantum(channel.x)]
-    yield from _frozen(channel, [run for run in every if (np.ptp(channel.others[slice(*run)], axis=0) > travel).any()])
+    moving = [run for run in every if (np.ptp(q[slice(*run)], axis=0) > 0.05 * np.ptp(q, axis=0)).any()]
+    yield from _frozen(channel, moving)
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:
@@ -186,7 +184,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     # An outlier is 12 times the noise of the torque, and 0.4 times its standard deviation. A spike is also 5 times
     # larger than 95 % of all deviations: noise that grows with speed has none.
     x = channel.x
-    middle = scipy.ndimage.median_filter(x, 5, mode="constant")
+    middle = _median_of_five(x)
     apart, least = x - middle, 0.4 * float(np.std(middle))
     deviation = np.abs(apart)
     if deviation.max() <= least:
@@ -221,16 +219,18 @@ def outliers(channel: Channel) -> Iterator[Finding]:
         yield Finding("spikes", channel.joint, share, "1", "warning", message, remedy)
 
 
+def _median_of_five(x: FloatArray) -> FloatArray:
+    """Median of each sample and two on each side, with zeros beyond the ends."""
+    # Of two pairs, neither the smallest nor the largest is the median of the five
+    ends = np.pad(x, 2)
+    a, b, c, d = ends[:-4], ends[1:-3], ends[3:-1], ends[4:]
+    low, high = np.maximum(np.minimum(a, b), np.minimum(c, d)), np.minimum(np.maximum(a, b), np.maximum(c, d))
+    return np.asarray(np.maximum(np.minimum(low, high), np.minimum(np.maximum(low, high), x)))
+
+
 def quantum(x: FloatArray) -> float:
     """Smallest step between different values of a signal; 0 for a constant one."""
     values = np.unique(x)
     steps = np.diff(values)
     steps = steps[steps > 1e-9 * float(values[-1] - values[0])]  # smaller ones are rounding
     return float(steps.min()) if len(steps) else 0.0
-
-
-CHECKS: dict[str, tuple[Callable[[Channel], Iterator[Finding]], ...]] = {
-    "angle": (frozen_angle,),
-    "torque": (saturation, frozen_torque, repeated_values, outliers),
-}
-"""Checks of each angle, and of each torque or what it was computed from."""

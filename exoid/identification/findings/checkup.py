@@ -50,7 +50,7 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     found = list(signal_findings(fitted.model, fitted.data))
     sample = fitted.sampled()
     try:
-        evidence = gather(sample, fitted.values, friction=True)
+        evidence = gather(sample, friction=True)
     except ExoidError:
         return Checkup(ordered(found))
     found += [*out_of_plane_base(sample), *gravity_size(sample)]
@@ -125,7 +125,7 @@ def _finer_findings(
     if (factors != 1.0).any():  # to the fit of all joints, another unit of one would look like other faults
         data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
         fitted = fitted._replace(data=tuple(data))
-        evidence = gather(fitted, State.of(gather(fitted, fitted.values), ()).values)
+        evidence = gather(fitted._replace(values=State.of(gather(fitted), ()).values))
     faults, left = find_faults(fitted, evidence)
     finer = findings_of(model, faults)
     known = {(finding.kind, finding.joint) for finding in scales}

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.dynamics import gravity_torque, inverse_dynamics_slopes
 from exoid.leg.leg import Leg
+from exoid.signals.differentiation import difference
 from exoid.torques import Coulomb, Motion, TorqueModel
 
 from .arms import ArmShapes
@@ -50,8 +51,8 @@ class NuisanceColumns:
     moving: bool = True  # whether samples are a motion in time; False for poses
     # moment arms of linear actuators, by the index of their joint
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)
-    # frequencies at which links ring on springs [Hz], 0 for none, by joint, as the first block of samples shows them
-    ringing: dict[int, float] = field(default_factory=dict)
+    # frequencies at which links ring on springs [Hz], 0 for none, joint by joint, as the first block of samples shows
+    ringing: list[float] = field(default_factory=list)
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
@@ -69,8 +70,13 @@ class NuisanceColumns:
         of_leg = np.tensordot(self.values[:rigid], columns[:rigid], axes=1)
         torque = of_leg + np.tensordot(self.values[rigid:], columns[rigid:count], axes=1)
         at = _Point(self, motion, torque, of_leg)
+        alike: dict[tuple[str, int], list[tuple[FloatArray, int]]] = {}
         for (kind, place, other), of_column in zip(self.columns, out, strict=True):
-            of_column[... if kind in OF_ALL_JOINTS else place] = COLUMNS[kind](at, place, other)
+            alike.setdefault((kind, other), []).append((of_column, place))
+        for (kind, other), places in alike.items():
+            found = COLUMNS[kind](at, other)
+            for of_column, place in places:
+                of_column[... if kind in OF_ALL_JOINTS else place] = found[place]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,22 +98,17 @@ class _Point:
         """Change of the torques by a delay of 1 s, −dτ/dt, (n, N)."""
         return _earlier(self, self.torque)
 
-    def residual(self, j: int) -> FloatArray:
-        """Measured torque of a joint less the predicted one [N·m], (N,)."""
-        assert self.motion.measured is not None
-        return np.asarray(self.motion.measured[:, j] - self.torque[j])
-
     @cached_property
     def leg(self) -> Leg:
         """The leg with the fitted parameters."""
         leg = self.of.model.leg
         return leg.with_parameters(self.of.values[: len(leg.parameter_names)])
 
-    def sign(self, j: int, sharper: float = 1.0) -> FloatArray:
-        """Direction of the motion of a joint, over the width of Coulomb friction, 0.05 rad/s without it, (N,)."""
+    def sign(self, sharper: float = 1.0) -> FloatArray:
+        """Direction of the motion of each joint, over the width of Coulomb friction, 0.05 rad/s without it, (n, N)."""
         terms = (term for term in self.of.model.terms if isinstance(term, Coulomb))
         widths = (term.smoothing for term in terms if term.smoothing > 0.0)
-        return np.tanh(sharper * self.motion.v[:, j] / next(widths, 0.05))
+        return np.tanh(sharper * self.motion.v.T / next(widths, 0.05))
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -125,9 +126,9 @@ class _Point:
         torque = self.regressor_torque(leg, several).reshape(n, 3, n, samples)
         return np.asarray((torque - self.of_leg[:, None, None]).transpose(1, 2, 0, 3) / STEP)
 
-    def by_joint(self, j: int, *changes: FloatArray) -> FloatArray:
-        """Change of the rigid-body torque (n, N) by one of angle, velocity and acceleration of a joint, (N,) each."""
-        return np.asarray(sum(slope[j] * change for slope, change in zip(self.slopes, changes, strict=True)))
+    def by_joints(self, *changes: FloatArray) -> FloatArray:
+        """Change of the rigid-body torque by that of each joint's angle, velocity and acceleration, (n, n, N)."""
+        return np.asarray(np.einsum("kjin,kjn->jin", self.slopes[: len(changes)], np.array(changes)))
 
     def regressor_torque(self, leg: Leg, motion: Motion) -> FloatArray:
         """Rigid-body torque of a leg by its regressor, (n, N)."""
@@ -141,130 +142,129 @@ def _earlier(at: _Point, x: FloatArray) -> FloatArray:
     """Change of a torque by a delay of 1 s, by polynomials through five samples."""
     if not at.of.moving or x.shape[-1] < 5 or not x.any():
         return np.zeros_like(x)
-    return np.asarray(-at.of.rate * scipy.signal.savgol_filter(x, 5, 4, deriv=1))
+    return -difference(x.T, at.of.rate, 1, 4).T
 
 
-def _gravity(at: _Point, axis: int, _: int) -> FloatArray:
-    """Derivative of the gravity torque by a tilt about one of the two axes that are nearest to horizontal."""
-    model = at.leg.model.copy()
-    gravity = np.array(model.gravity.linear)
-    horizontal = np.delete(np.eye(3), np.argmax(np.abs(gravity)), axis=0)
-    model.gravity.linear = np.cross(horizontal[axis], gravity)
-    tree = at.leg.tree_motion(at.motion.q)
-    return tree.project(gravity_torque(model, tree.q)).T
+def _gravity(at: _Point, _: int) -> list[FloatArray]:
+    """Derivatives of the gravity torque by a tilt about each of the two axes that are nearest to horizontal."""
+    model, found = at.leg.model.copy(), []
+    gravity, tree = np.array(model.gravity.linear), at.leg.tree_motion(at.motion.q)
+    for axis in np.delete(np.eye(3), np.argmax(np.abs(gravity)), axis=0):
+        model.gravity.linear = np.cross(axis, gravity)
+        found.append(tree.project(gravity_torque(model, tree.q)).T)
+    return found
 
 
-def _length(at: _Point, j: int, _: int) -> FloatArray:
-    """Derivative of the torque by the relative length of a segment."""
-    leg = at.of.model.leg
+def _length(at: _Point, _: int) -> list[FloatArray]:
+    """Derivatives of the torque by the relative length of each segment."""
+    leg, found = at.of.model.leg, []
     assert leg.machine is not None
     (limb,) = leg.limbs
-    offsets = limb.chain.offsets.copy()
-    offsets[j] *= 1.0 + STEP
-    changed = replace(limb, chain=replace(limb.chain, offsets=offsets))
-    longer = replace(leg, machine=replace(leg.machine, limbs=(changed,)))
-    return (at.regressor_torque(longer, at.motion) - at.of_leg) / STEP
+    for j in range(len(limb.chain.offsets)):
+        offsets = limb.chain.offsets.copy()
+        offsets[j] *= 1.0 + STEP
+        changed = replace(limb, chain=replace(limb.chain, offsets=offsets))
+        longer = replace(leg, machine=replace(leg.machine, limbs=(changed,)))
+        found.append((at.regressor_torque(longer, at.motion) - at.of_leg) / STEP)
+    return found
 
 
-def _clock(at: _Point, _: int, __: int) -> FloatArray:
-    """Derivative of the torque by the relative speed of the clock: velocities go with it, accelerations twice."""
-    n, v, a = at.motion.q.shape[1], at.motion.v, 2.0 * at.motion.a
-    return np.asarray(sum(at.by_joint(j, np.zeros(len(v)), v[:, j], a[:, j]) for j in range(n)))
-
-
-def _compliance(at: _Point, j: int, _: int) -> FloatArray:
+def _compliance(at: _Point, _: int) -> FloatArray:
     """Change by 1 rad/(N·m) between encoder and link, q_link = q − τ / k (Spong 1987), by its derivative for 1 / k."""
-    torque = at.of_leg[j]
+    torque = at.of_leg
     if at.of.moving:
         # A link follows its motor below its resonance only: above, derivatives would amplify noise and what friction
         # does. Accelerations at the ends of a log are wrong, and would spread.
-        ends = min(int(2.0 * LOADED * at.of.rate) + 1, (len(torque) - 1) // 3)
-        inner = np.pad(torque[ends:-ends], ends, "reflect", reflect_type="odd")
+        ends = min(int(2.0 * LOADED * at.of.rate) + 1, (torque.shape[1] - 1) // 3)
+        inner = np.pad(torque[:, ends:-ends], ((0, 0), (ends, ends)), "reflect", reflect_type="odd")
         torque = scipy.ndimage.gaussian_filter1d(inner, LOADED * at.of.rate)
-    return _behind(at, j, torque)
+    return _behind(at, torque)
 
 
-def _ringing(at: _Point, j: int, _: int) -> FloatArray:
+def _ringing(at: _Point, _: int) -> FloatArray:
     """The same near a resonance, J q̈_link + c q̇_link = k (q − q_link), where the residual looks like one."""
-    torque = at.of_leg[j]
-    if at.of.moving and j not in at.of.ringing:
-        at.of.ringing[j] = _frequency(torque, at.residual(j), at.of.rate)
-    if not at.of.ringing.get(j):
-        return np.zeros_like(at.torque)
-    w = 2.0 * np.pi * at.of.ringing[j]
-    b, a = scipy.signal.bilinear([w**2], [1.0, 2.0 * DAMPING * w, w**2], at.of.rate)
-    return _behind(at, j, scipy.signal.lfilter(b, a, torque, zi=scipy.signal.lfilter_zi(b, a) * torque[0])[0])
+    if at.of.moving and not at.of.ringing:
+        assert at.motion.measured is not None
+        at.of.ringing.extend(_frequencies(at.of_leg, at.motion.measured.T - at.torque, at.of.rate).tolist())
+    lag, double = np.zeros_like(at.of_leg), 2.0 * at.of.rate
+    for j in np.flatnonzero(at.of.ringing).tolist():
+        # w² / (s² + 2 D w s + w²) with s = 2 rate (z − 1) / (z + 1); it passes what is constant unchanged
+        w, start = 2.0 * np.pi * at.of.ringing[j], at.of_leg[j, 0]
+        damped = 2.0 * DAMPING * w * double
+        a = [double**2 + damped + w**2, 2.0 * (w**2 - double**2), double**2 - damped + w**2]
+        lag[j] = start + scipy.signal.lfilter([w**2, 2.0 * w**2, w**2], a, at.of_leg[j] - start)
+    return _behind(at, lag)
 
 
-def _frequency(torque: FloatArray, residual: FloatArray, rate: float) -> float:
-    """Frequency of the resonance that would leave least of a residual e: |e − H T| < |e|; 0 for none [Hz]."""
-    f = scipy.fft.rfftfreq(len(torque), 1.0 / rate)
+def _frequencies(torque: FloatArray, residual: FloatArray, rate: float) -> FloatArray:
+    """Frequency of each joint's resonance that would leave least of a residual e: |e − H T| < |e|; 0 for none [Hz]."""
+    f = scipy.fft.rfftfreq(torque.shape[1], 1.0 / rate)
     band = (f > 1.5) & (f < 10.0)  # parameters explain what is slower, and encoders spoil what is faster
-    T, e = scipy.fft.rfft(np.hanning(len(torque)) * [torque - torque.mean(), residual])[:, band]
+    signals = np.hanning(torque.shape[1]) * [torque - torque.mean(axis=1, keepdims=True), residual]
+    T, e = scipy.fft.rfft(signals)[..., band]
     ratio = f[band] / RINGING[:, None]
     H = 1.0 / (1.0 - ratio**2 + 2.0j * DAMPING * ratio) - 1.0  # torque of the spring, less that of a rigid joint
-    gain = 2.0 * np.real(H * T @ e.conj()) - np.abs(H) ** 2 @ np.abs(T) ** 2
-    return float(RINGING[gain.argmax()]) if gain.max() > 0.0 else 0.0
+    gain = 2.0 * np.real(H @ (T * e.conj()).T) - np.abs(H) ** 2 @ (np.abs(T) ** 2).T
+    return np.where(gain.max(axis=0) > 0.0, RINGING[gain.argmax(axis=0)], 0.0)
 
 
-def _play(at: _Point, j: int, _: int) -> FloatArray:
+def _play(at: _Point, _: int) -> FloatArray:
     """Change by 1 rad of play to each side, q_link = q − b sgn τ: the link rests on the side of its load."""
     # The load is what was measured less friction, which is in front of the gear: the model's has the jumps of the angle
-    load = at.residual(j) + at.of_leg[j]
+    assert at.motion.measured is not None
+    load = at.motion.measured.T - at.torque + at.of_leg
     load = scipy.ndimage.gaussian_filter1d(load, LOADED * at.of.rate) if at.of.moving else load
-    return _behind(at, j, np.sign(load))
+    return _behind(at, np.sign(load))
 
 
-def _behind(at: _Point, j: int, lag: FloatArray) -> FloatArray:
-    """Change of the torque where a link is behind its encoder by an angle (N,), and its motion by the derivatives."""
-    twist = [lag, np.zeros_like(lag), np.zeros_like(lag)]
-    if at.of.moving:
-        width = FOLLOWED * at.of.rate
-        twist = [scipy.ndimage.gaussian_filter1d(lag, width, order=k) * at.of.rate**k for k in range(3)]
-    return -at.by_joint(j, *twist)
+def _behind(at: _Point, lag: FloatArray) -> FloatArray:
+    """Change of the torque where links are behind their encoders by angles (n, N), and their motion by derivatives."""
+    if not at.of.moving:
+        return -at.by_joints(lag)
+    width = FOLLOWED * at.of.rate
+    twist = (scipy.ndimage.gaussian_filter1d(lag, width, order=k) * at.of.rate**k for k in range(3))
+    return -at.by_joints(*twist)
 
 
-def _ripple(at: _Point, j: int, k: int) -> FloatArray:
+def _ripple(at: _Point, k: int) -> FloatArray:
     """Change where an angle is off by sin or cos of a multiple of it: of 2 m the sine, of 2 m + 1 the cosine of m q."""
     m = k // 2
-    q, v, a = (x[:, j] for x in at.motion[:3])
+    q, v, a = (x.T for x in at.motion[:3])
     wave, slope = (np.sin(m * q), np.cos(m * q)) if k % 2 == 0 else (np.cos(m * q), -np.sin(m * q))
-    return at.by_joint(j, wave, m * slope * v, m * slope * a - m**2 * wave * v**2)
+    return at.by_joints(wave, m * slope * v, m * slope * a - m**2 * wave * v**2)
 
 
-def _stribeck(at: _Point, j: int, _: int) -> FloatArray:
-    """Friction that falls off at a quarter of the RMS speed."""
-    slow = 0.25 * max(float(at.of.speed[j]), 1e-6)
-    return at.sign(j) * np.exp(-((at.motion.v[:, j] / slow) ** 2))
-
-
-COLUMNS: dict[str, Callable[[_Point, int, int], FloatArray]] = {
-    "delay": lambda at, j, _: at.earlier[j],
-    "delays": lambda at, *_: at.earlier,
-    "drift": lambda at, *_: at.earlier,  # times the time since the log began, see the rows of a check
-    "gain": lambda at, j, _: at.torque[j],
-    "cross-talk": lambda at, _, other: at.torque[other],
-    "zero": lambda at, j, _: at.slopes[0, j],
-    "scale": lambda at, j, _: at.by_joint(j, *(x[:, j] for x in at.motion[:3])),
+COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, FloatArray] | FloatArray]] = {
+    "delay": lambda at, _: at.earlier,
+    "delays": lambda at, _: [at.earlier],
+    "drift": lambda at, _: [at.earlier],  # times the time since the log began, see the rows of a check
+    "gain": lambda at, _: at.torque,
+    "cross-talk": lambda at, other: [at.torque[other]] * len(at.torque),
+    "zero": lambda at, _: at.slopes[0],
+    "scale": lambda at, _: at.by_joints(*(x.T for x in at.motion[:3])),
     "gravity": _gravity,
     "length": _length,
-    "clock": _clock,
-    "known": lambda at, *_: at.known,
-    "known delay": lambda at, *_: -_earlier(at, at.known),
+    # by the relative speed of the clock: velocities go with it, accelerations twice
+    "clock": lambda at, _: [np.einsum("kjin,knj->in", at.slopes[1:], [at.motion.v, 2.0 * at.motion.a])],
+    "known": lambda at, _: [at.known],
+    "known delay": lambda at, _: [-_earlier(at, at.known)],
     "compliance": _compliance,
     "ringing": _ringing,
     "play": _play,
     "ripple": _ripple,
-    "arm": lambda at, j, which: at.of.arms[j].shapes(at.motion.q[:, j])[which] * at.torque[j],
-    "force": lambda at, _, other: at.motion.q[:, other],
-    "force²": lambda at, j, _: at.motion.q[:, j] ** 2,
-    "sharpness": lambda at, j, _: at.sign(j, sharper=4.0),
-    "friction |v|": lambda at, j, _: np.abs(at.motion.v[:, j]),
-    "friction v²": lambda at, j, _: at.motion.v[:, j] * np.abs(at.motion.v[:, j]),
-    "friction Stribeck": _stribeck,
-    "friction load": lambda at, j, _: at.sign(j) * np.abs(at.of_leg[j]),
+    "arm": lambda at, k: {j: arm.shapes(at.motion.q[:, j])[k] * at.torque[j] for j, arm in at.of.arms.items()},
+    "force": lambda at, other: [at.motion.q[:, other]] * len(at.torque),
+    "force²": lambda at, _: at.motion.q.T**2,
+    "sharpness": lambda at, _: at.sign(sharper=4.0),
+    "friction |v|": lambda at, _: np.abs(at.motion.v.T),
+    "friction v²": lambda at, _: at.motion.v.T * np.abs(at.motion.v.T),
+    # falls off at a quarter of the RMS speed
+    "friction Stribeck": lambda at, _: (
+        at.sign() * np.exp(-((4.0 * at.motion.v / np.maximum(at.of.speed, 1e-6)) ** 2)).T
+    ),
+    "friction load": lambda at, _: at.sign() * np.abs(at.of_leg),
 }
-"""Nuisance columns by what they are derivatives of: (N,) of one joint, or (n, N) of those in `OF_ALL_JOINTS`."""
+"""Nuisance columns by what they are derivatives of: of every place, (N,) of one joint, or (n, N) in `OF_ALL_JOINTS`."""
 
 OF_ALL_JOINTS = (
     *("delays", "drift", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),

@@ -46,13 +46,7 @@ class Evidence(NamedTuple):
 
     def of_tables(self, tables: list[list[FloatArray]]) -> Evidence:
         """Replace the tables, and with them the R factors."""
-        factors = []
-        for rows in map(np.hstack, tables):
-            act = np.flatnonzero(rows.any(axis=1))  # fewer columns to factorise
-            acting = r_factor(rows[act].T)
-            factors.append(np.zeros((len(acting), len(rows))))
-            factors[-1][:, act] = acting
-        return self._replace(tables=tables, factors=factors)
+        return self._replace(tables=tables, factors=[r_factor(np.hstack(of_joint).T) for of_joint in tables])
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""
@@ -77,5 +71,9 @@ def torque_shares(
 
 
 def r_factor(rows: FloatArray) -> FloatArray:
-    """Reduce rows to their R factor."""
-    return np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
+    """Reduce rows to their R factor, which has no more rows than columns that act."""
+    act = np.flatnonzero(rows.any(axis=0))
+    acting = np.linalg.qr(rows[:, act], mode="r")
+    factor = np.zeros((len(acting), rows.shape[1]))
+    factor[:, act] = acting
+    return factor

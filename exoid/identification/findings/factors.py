@@ -24,7 +24,7 @@ def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses], *, weig
     tables: list[list[FloatArray]] = [[] for _ in model.joint_names]
     for one in data:
         # torques may be another joint's, with other reversals: none is taken out
-        prepared = prepare(model, one, fitted.preparation)._replace(reversals=None)
+        prepared = prepare(model, one, fitted.preparation, stops=False)
         at_rest = None
         if weights:
             assert isinstance(prepared.motion, Motion)
@@ -68,10 +68,10 @@ def fit_torques(
         rows.append((R[:, :count][:, free], factors[joint] * R[:, count + order[joint]] - R[:, :count] @ known))
     level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), 1e-12)
     # All torques with the wrong sign would fit as well if what is positive in nature were not kept positive. Columns of
-    # these stand last: the R factor then has their rows, from which others are eliminated, below.
-    held = never_negative(model)[free]
-    columns, others = np.argsort(held, kind="stable"), int(np.count_nonzero(~held))
-    weights, x = 1.0 / level, np.zeros(len(held))
+    # these, and of passive joints, that are zero, stand last: their rows of R, from which others are eliminated, below.
+    last = never_negative(model)[free] | ~np.any([W.any(axis=0) for W, _ in rows], axis=0)
+    columns, others = np.argsort(last, kind="stable"), int(np.count_nonzero(~last))
+    weights, x = 1.0 / level, np.zeros(len(last))
     for _ in range(rounds):  # weights of the joints and residuals in turn
         R = r_factor(
             np.vstack([w * np.column_stack([W[:, columns], t]) for w, (W, t) in zip(weights, rows, strict=True)])

@@ -130,17 +130,16 @@ def segments(recording: Recording) -> Iterator[Recording]:
         yield recording.slice(int(start), int(start) + 10_000)
 
 
-def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> Evidence:
+def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:
     """Form rows of parameters and nuisance columns, in the same pass also of friction of other forms if asked for."""
     ready, errors = [], []
     for one in fitted.data:
         try:
-            prepared = decimated(prepare(fitted.model, one, fitted.preparation))
+            # Rows at reversals stay: other friction, and many faults, differ most where joints turn round.
+            prepared = decimated(prepare(fitted.model, one, fitted.preparation, stops=False))
         except ExoidError as error:
             errors.append(error)
             continue
-        # Rows at reversals stay: other friction, and many faults, differ most where joints turn round.
-        prepared = prepared._replace(reversals=None)
         if isinstance(one, Recording) and one.passive:  # zero is no measurement that could have a fault
             prepared = prepared._replace(usable=prepared.usable & one.driven)
         ready.append((one, prepared))
@@ -149,31 +148,27 @@ def gather(fitted: FittedLeg, values: FloatArray, *, friction: bool = False) -> 
     used = ((one.motion, one.inside) for _, one in ready)
     ranges = reduce(MotionRanges.joined, (MotionRanges.of(x.q[k], x.v[k], x.a[k]) for x, k in used))
     rigid = fitted.values[: len(fitted.model.leg.parameter_names)]
-    other = AlternativeFriction(rigid, ranges.speed) if friction else None
-    rows = [_rows(fitted, one, prepared, values, other) for one, prepared in ready]
+    others = [AlternativeFriction(rigid, ranges.speed)] if friction else []
+    rows = [_rows(fitted, one, prepared, others) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)
     return evidence._replace(ranges=ranges, sources=[one.file_name for one, _ in ready])
 
 
-def _rows(
-    fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, values: FloatArray, other: AlternativeFriction | None
-) -> Rows:
+def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others: Sequence[AlternativeFriction]) -> Rows:
     """Form the decimated rows of one recording."""
-    model, moving = fitted.model, isinstance(one, Recording)
+    model, values, columns = fitted.model, fitted.values, fitted.library.columns
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
     if one.payloads:  # a fault of the log changes the torque of payloads too
         values = values.copy()
         values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
-    columns = fitted.library.columns
     places = {column.kind: len(model.names) + k for k, column in enumerate(columns)}
-    nuisances = NuisanceColumns(model, columns, values, rate, speed, moving, fitted.arms)
-    every = WithColumns(model, (nuisances,) if other is None else (nuisances, other))
+    nuisances = NuisanceColumns(model, columns, values, rate, speed, isinstance(one, Recording), fitted.arms)
+    every = WithColumns(model, (nuisances, *others))
     assert isinstance(prepared.motion, Motion)
     assert one.tau is not None
-    motion = prepared.motion._replace(measured=np.nan_to_num(one.tau))
-    prepared = prepared._replace(motion=motion if other is None else other.motion(motion))
+    prepared = prepared._replace(motion=every.with_states(prepared.motion._replace(measured=np.nan_to_num(one.tau))))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., places["drift"]] *= (rows.time - fitted.clock_start(one))[:, None]
     if "known delay" in places and not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late

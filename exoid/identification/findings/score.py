@@ -193,7 +193,7 @@ class State:
         left_out = {one for one, is_odd in zip(single, odd, strict=True) if not is_odd}
         return [one for one in nuisances if one not in left_out]
 
-    def test(self, nuisance: Nuisance, plain: State | None = None, limit: float = 1.0) -> Score | None:
+    def test(self, nuisance: Nuisance, plain: State, limit: float = 1.0) -> Score | None:
         """Test one fault, which moves the parameters of a fit without protecting columns.
 
         None where its columns leave no trace beside those fitted, or it is less probable than the limit and explains
@@ -223,7 +223,6 @@ class State:
             p_value = p_value_of(score, noise, min(self.dof, blocks))
         if p_value >= limit and gain <= LARGE_GAIN:
             return None
-        plain = plain or self
         return Score(
             nuisance,
             C @ step,

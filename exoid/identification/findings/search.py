@@ -58,7 +58,7 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
     columns, candidates, always = fitted.library
     limit = 0.005 / len(candidates)  # some fault would be found in 0.5 % of the logs without any
     try:
-        evidence = gather(fitted, fitted.values) if evidence is None else evidence
+        evidence = gather(fitted) if evidence is None else evidence
         friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
         beside = _Beside(evidence, {}, always, friction)
         changes: list[Change] = []
@@ -84,17 +84,18 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
             applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
             beside.faults[best] = applied + delta, others
             if best.is_corrected:
-                again = gather(fitted, State.of(beside.evidence, beside.staying()).values)
+                again = gather(fitted._replace(values=State.of(beside.evidence, beside.staying()).values))
                 beside = beside._replace(evidence=reduce(with_change, changes, again))
         forms = [k for k, column in enumerate(columns) if column.kind in ("force", "force²")]
-        sizes = (_sized(beside, fault, forms if fault.kind == "unmodelled-force" else ()) for fault in beside.faults)
+        full = beside.fit() if beside.faults or changes else state
+        sizes = (_sized(beside, full, fault, forms) for fault in beside.faults)
         found = [fault for fault in sizes if fault is not None and _counts(fault.score, limit) and fault.matters]
         if found:  # the first is blamed for what all together move more than it does alone
             now, before = (State.of(*fit).values for fit in ((beside.evidence, beside.staying()), (evidence, ())))
             total, first = now - before, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
             found[0] = found[0]._replace(score=first._replace(move=move))
-        return tuple(found), 1.0 / beside.fit().weights
+        return tuple(found), 1.0 / full.weights
     except (ExoidError, np.linalg.LinAlgError):
         return (), np.full(len(fitted.model.joint_names), np.inf)  # too little is left for a check
 
@@ -119,9 +120,8 @@ class _Beside(NamedTuple):
         places = None if tested is None else tested.columns
         return State.of(self.evidence, tuple(columns), tested=places, **how)
 
-    def test(self, fault: Nuisance, near: State | None = None) -> tuple[Score | None, State]:
-        """Test a fault with the noise of residuals that no longer contain it, which it would make look coloured."""
-        full = self.fit(fault, also=(fault,), near=near)
+    def test(self, fault: Nuisance, full: State) -> tuple[Score | None, State]:
+        """Test a fault with the noise that a fit with it leaves: with the fault, residuals would look coloured."""
         plain = State.of(self.evidence, self.staying(without=fault), like=full)
         return self.fit(fault, like=full).test(fault, plain), plain
 
@@ -164,7 +164,8 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
         most = max((one.evidence for one in likely), default=-np.inf)
         if most > max(1.5 * score.evidence, score.evidence + UNDECIDED) and not (_is_late(score) or _is_scaled(score)):
             continue  # a second test with other noise would not bring it to the best
-        again = beside.test(score.nuisance, state)[0] if score.gain > LARGE_GAIN or _is_late(score) else score
+        fault, once_more = score.nuisance, score.gain > LARGE_GAIN or _is_late(score)
+        again = beside.test(fault, beside.fit(fault, also=(fault,), near=state))[0] if once_more else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
             columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
             share = torque_shares(beside.evidence.factors, columns, again.delta[:, None])[0]
@@ -181,14 +182,14 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     return [one for one in likely if abs(one.evidence - likely[0].evidence) < UNDECIDED]
 
 
-def _sized(beside: _Beside, fault: Nuisance, forms: Sequence[int]) -> Fault | None:
-    """Estimate one fault beside all others; its torque may consist of other columns (forms) than were tested."""
-    score, plain = beside.test(fault)
+def _sized(beside: _Beside, full: State, fault: Nuisance, forms: Sequence[int]) -> Fault | None:
+    """Estimate one fault beside all others; the torque of a force may have other forms than the columns tested."""
+    score, plain = beside.test(fault, full)
     if score is None:  # others explain it now
         return None
     evidence, (applied, alternatives) = beside.evidence, beside.faults[fault]
     count = len(evidence.fixed)
-    reach = plain.reach(fault.columns, score.delta, forms) if forms else np.zeros(count)
+    reach = np.zeros(count) if fault.kind != "unmodelled-force" else plain.reach(fault.columns, score.delta, forms)
     if fault.is_corrected:
         total = applied + score.delta[:1]
         t = float(total[0]) / max(float(score.std[0]), 1e-300)

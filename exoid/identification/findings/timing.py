@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import reduce
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -34,11 +35,12 @@ def angle_jumps(recording: Recording) -> Iterator[Finding]:
     # Between two samples an angle passes by what it does before and after: stops, impacts and friction keep to that.
     steps, width = np.diff(np.ascontiguousarray(recording.q.T)), 2 * WINDOW + 1
     ends = np.pad(steps, ((0, 0), (WINDOW, WINDOW)), "edge")
-    around = np.lib.stride_tricks.sliding_window_view(ends, steps.shape[1], axis=1)
-    before, after = around[:, :WINDOW], around[:, WINDOW + 1 :]
-    low, high = np.minimum(before.min(axis=1), after.min(axis=1)), np.maximum(before.max(axis=1), after.max(axis=1))
+    beside = [ends[:, k : k + steps.shape[1]] for k in range(width) if k != WINDOW]
+    low, high = reduce(np.minimum, beside), reduce(np.maximum, beside)
     beyond = steps - np.clip(steps, low, high)
-    size, usual = np.abs(beyond), high - low + np.array([[quantum(x)] for x in recording.q.T])
+    size, usual = np.abs(beyond), high - low
+    if (size > 4.0 * usual).any():  # quanta take longer to find
+        usual += np.array([[quantum(x)] for x in recording.q.T])
     if not (size > 4.0 * usual).any():
         return
     ratio = size / (usual + np.quantile(size, 0.98, axis=1, keepdims=True))
@@ -70,10 +72,10 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     q = np.ascontiguousarray(recording.q.T)
     k = np.arange(WINDOW) - 0.5 * (WINDOW - 1)
     slope, level = k / (k @ k), np.full(WINDOW, 1.0 / WINDOW)
-    windows, to_middle = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=1), 0.5 * WINDOW
-    before, after = windows[:, :-WINDOW], windows[:, WINDOW:]
-    jump = after @ (level - to_middle * slope) - before @ (level + to_middle * slope)
-    behind, ahead = before @ slope, after @ slope
+    windows = np.lib.stride_tricks.sliding_window_view(q, WINDOW, axis=1)
+    levels, slopes = windows @ level, windows @ slope
+    behind, ahead = slopes[:, :-WINDOW], slopes[:, WINDOW:]
+    jump = levels[:, WINDOW:] - levels[:, :-WINDOW] - 0.5 * WINDOW * (ahead + behind)
     velocity = 0.5 * (ahead + behind) * rate
     steps = np.diff(q, axis=1)
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
