@@ -16,11 +16,10 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
-from exoid.signals.contacts import depends_on_contacts
 from exoid.signals.cutoff import white_noise
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
-from exoid.torques.contacts.elimination import eliminate, reference_axes
+from exoid.torques.contacts.elimination import eliminate
 from exoid.torques.contacts.standing_base import LEVEL as TILT
 from exoid.torques.contacts.standing_base import StandingBase, standing_base
 from exoid.torques.contacts.stretches import Split, Stretch
@@ -46,11 +45,6 @@ class Compared(NamedTuple):
     predicted: FloatArray  # predicted torque [N·m], (N, n)
     variance: FloatArray  # variance of the measured torque about the predicted one [N²·m²], (N, n)
     known: FloatArray  # part of both that is known: torque of measured wrenches and of payloads [N·m], (N, n)
-
-
-def stands(estimate: EstimateData, recording: Recording) -> bool:
-    """Tell whether a recording has to be split by the links that rest on the ground."""
-    return bool(estimate.model.leg.base_rows) or depends_on_contacts(recording)
 
 
 def compare_on_ground(
@@ -116,7 +110,7 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
         recording = stretch.recording
         if not stretch.links or recording.tau is None or not recording.measured.all():
             continue
-        support = _support(estimate, stretch)
+        support = SupportModel.of(estimate.model, stretch.links, recording.q[recording.mask])
         steps = size * np.vstack([np.zeros(count), np.eye(count)])
         rows = [make_rows(support, level.under(leg, recording, step), estimate.preparation) for step in steps]
         weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # a log without noise has rows, too
@@ -145,16 +139,10 @@ def in_time_order(parts: Sequence[T]) -> T:
     return type(parts[0])(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
 
 
-def _support(estimate: EstimateData, stretch: Stretch) -> SupportModel:
-    """Torque model while the same links rest."""
-    model, links, recording = estimate.model, stretch.links, stretch.recording
-    axes = reference_axes(model.leg, links, recording.q[recording.mask]) if links else None
-    return SupportModel.of(model, links, axes)
-
-
 def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
     """Predict the torques while the same links rest."""
-    links, recording, support = stretch.links, stretch.recording, _support(estimate, stretch)
+    links, recording = stretch.links, stretch.recording
+    support = SupportModel.of(estimate.model, links, recording.q[recording.mask])
     axes, rows = support.axes, make_rows(support, recording, preparation)
     known = np.zeros_like(rows.tau) if rows.known is None else rows.known
     measured, predicted = rows.tau + known, rows.W @ estimate.values + known

@@ -14,6 +14,7 @@ from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import for_leg, prepare
 from exoid.signals import Recording
+from exoid.signals.contacts import stands
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
@@ -21,7 +22,7 @@ from exoid.tools.tables import DataTable, Report, with_parts
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
-from .ground_validation import LEVEL, Compared, compare_on_ground, stands, wrench_variance
+from .ground_validation import LEVEL, Compared, compare_on_ground, wrench_variance
 from .late_velocity import without_late_velocity
 from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
@@ -243,7 +244,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     data, preparation = for_leg(estimate.model, recording), chosen.preparation
     rate, ranges = data.sample_rate, None
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
-    if stands(estimate, recording):
+    if stands(estimate.model.leg, recording):
         compared = compare_on_ground(estimate, recording, preparation, bandwidth)
     else:
         model, count, parts = estimate.band_model, len(estimate.values), []

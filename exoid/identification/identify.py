@@ -163,7 +163,7 @@ def identify(
     problem = gather(problem, chosen, own=own, preparation=preparation, cutoff=cutoff, check=check)
     drives = problem.groups[0].actuators
     fit: Callable[[Problem, Estimator], Fitted] = fit_linear
-    if any(group.model.leg.base_rows or any(one.stands for one in group.summaries) for group in problem.groups):
+    if any(one.stands for group in problem.groups for one in group.summaries):
         fit = partial(fit_on_ground, by_noise=by_noise, check=check)
     elif drives is not None and unknown_constants(drives):
         fit = search_constants

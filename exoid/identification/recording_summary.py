@@ -14,7 +14,7 @@ from exoid.errors import NotIdentifiableError
 from exoid.estimate.data import Input
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
-from exoid.signals.contacts import depends_on_contacts
+from exoid.signals.contacts import stands
 from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
 
@@ -48,7 +48,7 @@ class RecordingSummary(NamedTuple):
     # angular velocity of the base over that of the first joint, root mean square each; 0 for a base at rest. Of
     # a planar leg only rotation within its plane counts
     base_turning: float = 0.0
-    stands: bool = False  # whether rows depend on contacts, see `depends_on_contacts`
+    stands: bool = False  # whether rows depend on contacts, see `signals.contacts.stands`
     pulled: bool = False  # whether a wrench was measured that is not zero throughout
 
 
@@ -72,7 +72,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         None if tau is None else _torques(tau, chosen),
         acceleration_power(chosen) if for_cutoff else None,
         _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
-        isinstance(chosen, Recording) and depends_on_contacts(chosen),
+        stands(model.leg, chosen),
         isinstance(chosen, Recording) and any(one.force.any() or one.moment.any() for one in chosen.wrenches.values()),
     )
 

@@ -17,7 +17,6 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.torques.contacts import Split, split
-from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.imu import ROCKS, beside
 from exoid.torques.contacts.stretches import EDGE
 from exoid.torques.contacts.support_model import SupportModel
@@ -75,9 +74,9 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     groups: list[Group] = []
     for (links, plates), data in found.items():
         q = np.vstack([one.q[one.mask] for one in data])
-        axes = reference_axes(model.leg, links, q[:: 1 + len(q) // MANY]) if links else None
+        support = SupportModel.of(model, links, q[:: 1 + len(q) // MANY], plates=plates)
         measured = np.logical_or.reduce([one.measured for one in data])
-        if axes is not None and not measured.all():
+        if support.axes is not None and not measured.all():
             missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
             raise UnreadableInputError(
                 f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all",
@@ -90,7 +89,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         groups.append(
             replace(
                 group,
-                model=SupportModel.of(model, links, axes, plates=plates),
+                model=support,
                 data=tuple(data),
                 preparation=preparation,
                 links=" and ".join(links) + (" on plates" if plates else "") or MEASURED,

@@ -6,8 +6,10 @@ import numpy as np
 
 from exoid._typing import ArrayLike, BoolArray
 from exoid.errors import BadArgumentError
+from exoid.leg.leg import Leg
 
 from . import checks
+from .poses import Poses
 from .recording import Recording
 from .wrench import Wrench
 
@@ -66,6 +68,7 @@ def contacts_from_wrench(wrench: Wrench, *, up: ArrayLike = (0.0, 0.0, 1.0)) -> 
     return np.where(last >= 0, above[np.maximum(last, 0)], before)
 
 
-def depends_on_contacts(recording: Recording) -> bool:
+def stands(leg: Leg, data: Recording | Poses) -> bool:
     """Tell whether rows depend on contacts: by forces that were not measured, or by jolts under passive joints."""
-    return bool({*recording.contacts} - {*recording.wrenches} or (recording.contacts and recording.passive))
+    unmeasured = isinstance(data, Recording) and {*data.contacts} - {*data.wrenches}
+    return bool(leg.base_rows or unmeasured or (isinstance(data, Recording) and data.contacts and data.passive))

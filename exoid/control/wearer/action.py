@@ -92,8 +92,7 @@ def constant_torques(estimate: EstimateData, evidence: Evidence, actions: Sequen
                 "the torque beside the actuator's is constant, as of a torque sensor or an angle whose zero is off"
             )
             remedy = "take the zero of the sensor unworn, or identify with an offset for each recording (own=offset)"
-            kind = "constant-interaction"
-            yield Finding(kind, joint, float(mean), "N·m", "warning", message, remedy)
+            yield Finding("constant-interaction", joint, float(mean), "N·m", "warning", message, remedy)
 
 
 def explanations(estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction]) -> list[Finding]:
@@ -172,8 +171,7 @@ def rough_estimate(estimate: EstimateData, predicted: FloatArray) -> Iterator[Fi
                 "them is not noticed, and one may have acted in the training"
             )
             remedy = "identify from recordings without a wearer, and look at the findings of the estimate"
-            value = float(rms / size)
-            yield Finding("rough-estimate", joint, value, "1", "warning", message, remedy)
+            yield Finding("rough-estimate", joint, float(rms / size), "1", "warning", message, remedy)
 
 
 def too_few_samples(estimate: EstimateData, evidence: Evidence) -> Iterator[Finding]:

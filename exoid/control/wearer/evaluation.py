@@ -10,10 +10,11 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.estimate import EstimateData
 from exoid.estimate.evidence import MotionRanges
-from exoid.estimate.ground_validation import compare_on_ground, stands, wrench_variance
+from exoid.estimate.ground_validation import compare_on_ground, wrench_variance
 from exoid.regression.every_row import each_row
 from exoid.regression.rows import Prepared, for_leg, prepare
 from exoid.signals import Preparation, Recording
+from exoid.signals.contacts import stands
 
 SETTLED = 0.05
 """Near an end of a segment, samples count if the filter of the torques has so little of its weight beyond the end."""
@@ -37,7 +38,7 @@ class Evaluation(NamedTuple):
 
 def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float) -> Evaluation:
     """Compute τ_w = W β − τ, both sides filtered alike, block by block."""
-    if stands(estimate, recording):
+    if stands(estimate.model.leg, recording):
         compared = compare_on_ground(estimate, recording, preparation, bandwidth, unknown_wrenches=False)
         torque, variance = compared.predicted - compared.measured, compared.variance
         return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)

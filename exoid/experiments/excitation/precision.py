@@ -16,12 +16,11 @@ from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, RANK
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
-from exoid.signals.contacts import depends_on_contacts
+from exoid.signals.contacts import stands
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
 from exoid.torques.contacts import split
-from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.motion import BLOCK
 
@@ -127,7 +126,7 @@ def information_of(
 
 def on_ground(model: TorqueModel, recordings: Iterable[Recording]) -> bool:
     """Tell whether rows are those of a leg on the ground: its base floats, or a log depends on contacts."""
-    return bool(model.leg.base_rows) or any(depends_on_contacts(for_leg(model, one)) for one in recordings)
+    return bool(model.leg.base_rows) or any(stands(model.leg, for_leg(model, one)) for one in recordings)
 
 
 def _information_on_ground(
@@ -165,8 +164,7 @@ def supports_during(
                 remedy="leave the wrenches of the feet out: their noise is not known",
             )
         q = np.vstack([one.q[one.mask] for one in parts])
-        axes = reference_axes(model.leg, links, q[:: 1 + len(q) // 2000]) if links else None
-        yield SupportModel.of(model, links, axes), parts
+        yield SupportModel.of(model, links, q[:: 1 + len(q) // 2000]), parts
 
 
 def _r_factor(*blocks: FloatArray) -> FloatArray:

@@ -28,7 +28,6 @@ from exoid.tools.json_values import named
 from exoid.tools.numbers import ROUNDED
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Term, TorqueModel
-from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 
 SAMPLES, STEP = 150, 1e-4
@@ -117,7 +116,7 @@ def _rows(model: TorqueModel, links: tuple[str, ...]) -> FloatArray:
     tilts = np.outer(tilts @ leg.plane.lateral, leg.plane.lateral) if leg.limbs else tilts
     up = GRAVITY * scipy.spatial.transform.Rotation.from_rotvec(tilts).apply(leg.plane.up)
     q = _level(leg, links, rng.uniform(low, high, (SAMPLES, n)), up)
-    support = SupportModel.of(model, links, reference_axes(leg, links, q) if links else None)
+    support = SupportModel.of(model, links, q)
     nu, change = rng.standard_normal((2, SAMPLES, base + n)) * [[[2.0]], [[9.0]]]
 
     def jacobian(q: FloatArray) -> FloatArray:

@@ -35,13 +35,10 @@ LOGS = {
     )
 }
 
-TORQUE_CONSTANT = 18.3e-3
-"""Torque of one volt of the command [N·m/V], ``Kt`` of the files in units of 1e-3 N·m."""
-
 COLUMNS: dict[str, str | Column] = {
     "time": "datatimeall",
     "q_leg": Column("dataoutall", unit="deg"),
-    "tau_leg": Column("datainall", scale=TORQUE_CONSTANT),
+    "tau_leg": Column("datainall", scale=18.3e-3),  # torque of one volt [N·m/V], ``Kt`` of the files in 1e-3 N·m
 }
 
 CITATION = (

@@ -15,7 +15,7 @@ from exoid.signals import Wrench
 from exoid.torques.model import TorqueModel
 from exoid.torques.motion import Motion, random_base, random_motion
 
-from .elimination import eliminate, load_sharing
+from .elimination import eliminate, load_sharing, reference_axes
 
 LOOP = "loop_"
 """Beginning of the names of rows of closed chains."""
@@ -34,11 +34,10 @@ class SupportModel(TorqueModel):
     plates: bool = False  # whether these are the rows that measured wrenches on the links add
 
     @classmethod
-    def of(
-        cls, model: TorqueModel, links: Sequence[str], axes: FloatArray | None, *, plates: bool = False
-    ) -> SupportModel:
-        """Let links of a model rest on the ground."""
+    def of(cls, model: TorqueModel, links: Sequence[str], q: FloatArray, *, plates: bool = False) -> SupportModel:
+        """Let links of a model rest on the ground, at poses for which the reference of closed chains is chosen."""
         rest = (model.leg, model.terms, model.rigid, model.regrouped, model.separate)
+        axes = reference_axes(model.leg, links, q) if links else None
         return cls(*rest, tuple(links), axes, plates)
 
     @property

@@ -20,7 +20,7 @@ FEET = {"both": ("left_foot", "right_foot"), "left": ("left_foot",)}
 def test_rows_without_the_wrenches_fulfil_the_equation(exo, feet):
     log = standing(exo, feet, seconds=4.0)
     links, (q, v, a) = FEET[feet], log.exact
-    model = SupportModel.of(TorqueModel(exo, ()), links, reference_axes(exo, links, q))
+    model = SupportModel.of(TorqueModel(exo, ()), links, q)
     motion = model.motion(q, v, a, log.base)
     torque = model.row_torque(log.recording.tau, motion, {})
     assert torque.shape == (len(q), 6 if feet == "left" else 3) == (len(q), len(model.row_names))
@@ -41,7 +41,7 @@ def test_measured_wrenches_fulfil_the_equation_on_all_rows(exo, feet):
 @pytest.mark.parametrize("feet", FEET)
 def test_no_wrench_on_a_resting_link_changes_a_row(exo, feet):
     log, links, rng = standing(exo, feet, seconds=4.0), FEET[feet], np.random.default_rng(0)
-    model = SupportModel.of(TorqueModel(exo, ()), links, reference_axes(exo, links, log.exact[0]))
+    model = SupportModel.of(TorqueModel(exo, ()), links, log.exact[0])
     motion = model.motion(*log.exact, log.base)
     pushes = {}
     for link in links:
@@ -63,7 +63,7 @@ def test_rows_of_closed_chains_have_the_noise_of_one_torque(exo):
 
 
 def test_friction_of_a_joint_stays_in_its_row_on_one_foot(exo):
-    model = SupportModel.of(TorqueModel(exo, (Coulomb(), Viscous(), Armature())), ("left_foot",), None)
+    model = SupportModel.of(TorqueModel(exo, (Coulomb(), Viscous(), Armature())), ("left_foot",), np.zeros((1, 6)))
     names = list(model.names)
     for row, joint in enumerate(exo.joint_names):
         own = [names.index(f"{symbol}_{joint}") for symbol in ("c0", "d", "Ia")]

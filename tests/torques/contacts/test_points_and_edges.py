@@ -17,7 +17,6 @@ from exoid.experiments.excitation import assess
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.link_frames import ball_radius
 from exoid.torques.contacts import level_rotation
-from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
 
@@ -59,8 +58,7 @@ def test_pinocchios_constrained_dynamics_obey_the_rows_without_contact_forces(fe
     leg = quadruped(kind)
     flight, torque, forces = constrained(leg, feet, np.random.default_rng(len(feet)))
     q, v, a = flight.joints
-    axes = reference_axes(leg, feet, q)
-    model = SupportModel.of(TorqueModel(leg, ()), feet, axes)
+    model = SupportModel.of(TorqueModel(leg, ()), feet, q)
     motion = model.motion(q, v, a, flight.base)
     W = model.columns(motion).transpose(2, 1, 0)
     left = model.row_torque(torque, motion, {})

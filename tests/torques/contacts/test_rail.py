@@ -17,7 +17,6 @@ from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.excitation import MotionLimits, assess
 from exoid.leg.description import describe
 from exoid.signals.link_wrenches import wrenches_on_links
-from exoid.torques.contacts.elimination import reference_axes
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
 
@@ -73,7 +72,7 @@ def test_pinocchios_constrained_dynamics_obey_the_rows_of_a_point_under_a_rail()
             for state in zip(q_full, v, torque, strict=True)
         ]
     )
-    rows = SupportModel.of(TorqueModel(leg, ()), ("foot",), reference_axes(leg, ("foot",), q))
+    rows = SupportModel.of(TorqueModel(leg, ()), ("foot",), q)
     motion = rows.motion(q, v, a, None)
     W, left = rows.columns(motion).transpose(2, 1, 0), rows.row_torque(torque, motion, {})
     assert W.shape[1] == 1
