@@ -85,7 +85,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=16)
     parser.add_argument("--first", type=int, default=1000, help="first seed; tune below 1000")
     parser.add_argument("--step", type=float, default=5e-4, help="step of the simulation [s]")
-    parser.add_argument("--seconds", type=float, default=80.0, help="length of the walk [s]")
+    parser.add_argument("--seconds", type=float, default=120.0, help="length of the walk [s]")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     rates = Rates(control=1.0 / options.step, log=500.0, step=options.step)
