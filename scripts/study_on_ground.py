@@ -525,7 +525,10 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int, only: str |
 def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -> None:
     """Run the closed loop, and print how many cases end as they should, and the largest figures."""
     calls = (delayed(all_worn)(s) if only == "worn" else delayed(all_coordinated)(machine, s, only) for s in seeds)
-    found = Parallel(n_jobs=jobs)(calls)
+    found = []
+    for each in Parallel(n_jobs=jobs, return_as="generator")(calls):
+        found.append(each)
+        print(f"{machine}: {len(found)} of {len(seeds)} seeds", file=sys.stderr)
     print(f"{machine}: {len(seeds)} seeds from {seeds[0]}; ended, and the worst of each figure")
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
