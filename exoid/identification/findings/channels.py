@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -184,7 +185,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     # An outlier is 12 times the noise of the torque, and 0.4 times its standard deviation. A spike is also 5 times
     # larger than 95 % of all deviations: noise that grows with speed has none.
     x = channel.x
-    middle = _median_of_five(x)
+    middle = scipy.ndimage.median_filter(x, 5, mode="constant")
     apart, least = x - middle, 0.4 * float(np.std(middle))
     deviation = np.abs(apart)
     if deviation.max() <= least:
@@ -217,15 +218,6 @@ def outliers(channel: Channel) -> Iterator[Finding]:
         )
         remedy = "remove them at their source, or identify with the estimator huber"
         yield Finding("spikes", channel.joint, share, "1", "warning", message, remedy)
-
-
-def _median_of_five(x: FloatArray) -> FloatArray:
-    """Median of each sample and two on each side, with zeros beyond the ends."""
-    # Of two pairs, neither the smallest nor the largest is the median of the five
-    ends = np.pad(x, 2)
-    a, b, c, d = ends[:-4], ends[1:-3], ends[3:-1], ends[4:]
-    low, high = np.maximum(np.minimum(a, b), np.minimum(c, d)), np.minimum(np.maximum(a, b), np.maximum(c, d))
-    return np.asarray(np.maximum(np.minimum(low, high), np.minimum(np.maximum(low, high), x)))
 
 
 def quantum(x: FloatArray) -> float:

@@ -186,13 +186,11 @@ def _ringing(at: _Point, _: int) -> FloatArray:
     if at.of.moving and not at.of.ringing:
         assert at.motion.measured is not None
         at.of.ringing.extend(_frequencies(at.of_leg, at.motion.measured.T - at.torque, at.of.rate).tolist())
-    lag, double = np.zeros_like(at.of_leg), 2.0 * at.of.rate
+    lag = np.zeros_like(at.of_leg)
     for j in np.flatnonzero(at.of.ringing).tolist():
-        # w² / (s² + 2 D w s + w²) with s = 2 rate (z − 1) / (z + 1); it passes what is constant unchanged
         w, start = 2.0 * np.pi * at.of.ringing[j], at.of_leg[j, 0]
-        damped = 2.0 * DAMPING * w * double
-        a = [double**2 + damped + w**2, 2.0 * (w**2 - double**2), double**2 - damped + w**2]
-        lag[j] = start + scipy.signal.lfilter([w**2, 2.0 * w**2, w**2], a, at.of_leg[j] - start)
+        b, a = scipy.signal.bilinear([w**2], [1.0, 2.0 * DAMPING * w, w**2], at.of.rate)
+        lag[j] = start + scipy.signal.lfilter(b, a, at.of_leg[j] - start)  # what is constant passes unchanged
     return _behind(at, lag)
 
 
