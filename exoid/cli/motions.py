@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from exoid.leg.leg import Leg
     from exoid.rig import Reference
 
+SCALE = 0.8
+"""Factor of the gait's amplitudes on legs other than document 2's: within the limits of both built-in ones."""
+
 
 class Motion(NamedTuple):
     """Reference, its period or duration [s], and the time that the metrics leave out [s]; None for one period."""
@@ -34,8 +37,7 @@ def gait(leg: Leg, period: float | None, scale: float | None, roles: Sequence[st
     period = 10.0 if period is None else period
     if not 0.0 < period < np.inf:
         raise BadArgumentError(f"--period {period:g}", remedy="give seconds")
-    # within the limits of both built-in legs
-    healthy = exoid.experiments.healthy_gait(0.8 if scale is None else scale, period)
+    healthy = exoid.experiments.healthy_gait(SCALE if scale is None else scale, period)
     motion = exoid.experiments.gait_for_leg(leg, healthy, parse_roles(roles))
     if scale is not None:  # what was asked for is refused where it does not fit
         return Motion(motion, period)

@@ -239,8 +239,7 @@ class ControlModel:
     def pinocchio(self) -> pin.Model:
         """Bodies with rotors, for Pinocchio's algorithms."""
         if self.leg.closure is not None:
-            what, remedy = "this controller takes no leg with closed loops", "docs/loops.md says what there is"
-            raise NotSupportedError(what, remedy=f"use a leg without loops; {remedy}")
+            raise NotSupportedError("this controller takes no closed loops", remedy="docs/loops.md says what does")
         model = self.leg.model.copy()
         model.armature[:] += self.armature
         return model

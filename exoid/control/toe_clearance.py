@@ -93,13 +93,9 @@ def toe_clearance(
     planned = height(q)
     drawn = planned - errors @ np.einsum("nj,njp->np", slope, E).T
     start = np.broadcast_to(checked(start_std, "start_std", least=0.0), n) * rng.standard_normal((DRAWS, n))
-    drawn -= np.einsum("nj,nj,dj->dn", slope, _decay(time - time[0], *gains), start)
+    free = (np.array([[0.0, 1.0], [-kp, -kd]]) for kp, kd in zip(*gains, strict=True))  # ë + kd ė + kp e = 0
+    decay = np.column_stack([scipy.linalg.expm((time - time[0])[:, None, None] * A)[:, 0, 0] for A in free])
+    drawn -= np.einsum("nj,nj,dj->dn", slope, decay, start)
     drawn += carried_std * rng.standard_normal((DRAWS, 1))
     lowest = drawn.min(axis=1)
     return ToeClearance(planned, float(np.mean(lowest < 0.0)), float(np.quantile(lowest, 0.05)))
-
-
-def _decay(time: FloatArray, kp: FloatArray, kd: FloatArray) -> FloatArray:
-    """Response of ë + kd ė + kp e = 0 to e = 1 at rest, (N, n)."""
-    free = (np.array([[0.0, 1.0], [-stiff, -damp]]) for stiff, damp in zip(kp, kd, strict=True))
-    return np.column_stack([scipy.linalg.expm(time[:, None, None] * A)[:, 0, 0] for A in free])

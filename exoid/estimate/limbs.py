@@ -23,6 +23,12 @@ from .finding import Finding, Severity, ordered
 CLOSE = 2e-3
 """Largest difference of lengths [m] and of axes between limbs of one design: URDFs round to a millimetre."""
 
+LEVEL = 0.01
+"""Probability with which limbs that are equal are called different, all together."""
+
+MIRRORS = np.array(list(product((1.0, -1.0), repeat=3)))
+"""Limbs that are the same, first, and mirror images in one to three axes of their links."""
+
 
 class _Pair(NamedTuple):
     """Two limbs: their joints, and the signs of the second one's ten parameters per link beside the first one's."""
@@ -46,7 +52,7 @@ def share_alike(estimate: Estimate, limbs: Sequence[str]) -> Estimate:
     findings, equal = list(estimate.findings), []
     for limb, p in zip(others, p_values.tolist(), strict=True):
         moved = np.abs(tests[limb].values - estimate.values) / np.where(estimate.std > 0.0, estimate.std, np.inf)
-        most, same = estimate.names[int(np.argmax(moved))], p >= 0.01  # for all tests together
+        most, same = estimate.names[int(np.argmax(moved))], p >= LEVEL
         equal += [limb] if same else []
         says = "share their parameters" if same else f"differ, most in {most}, and keep their own"
         remedy = "nothing to do" if same else "look for what was mounted or repaired on one of them"
@@ -123,8 +129,7 @@ def _pair(leg: Leg, first: str, other: str) -> _Pair:
             remedy=f"name limbs by how their joints begin; joints are {', '.join(names)}",
         )
     joints = tuple(zip(*of_limb, strict=True))
-    mirrors = np.array(list(product((1.0, -1.0), repeat=3)))  # the same, first, then mirror images
-    for signs in sorted(mirrors, key=lambda signs: _apart(leg, signs, joints[:1], moved=False)):
+    for signs in sorted(MIRRORS, key=lambda signs: _apart(leg, signs, joints[:1], moved=False)):
         if _apart(leg, signs, joints, moved=True) < CLOSE:
             x, y, z = signs
             return _Pair(joints, np.array([1.0, x, y, z, 1.0, x * y, 1.0, x * z, y * z, 1.0]))

@@ -33,6 +33,10 @@ PLACES: dict[tuple[type[Term], str], str] = {
 """Attribute of a joint in MJCF for a symbol of a type of term."""
 
 
+STIFF = (0.004, 1.0), (0.9999, 0.9999, 1e-3, 0.5, 2.0)
+"""Time constant [s] and damping ratio of closed loops, and their impedance: gaps below 0.1 mm."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class MjcfExport:
     """File that an export to MuJoCo wrote; prints itself.
@@ -113,8 +117,7 @@ def export_mjcf(
                 (spec.body(body) if body else spec.worldbody).add_site(name=f"{name} {side}", pos=place)
             connect, site = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtObj.mjOBJ_SITE
             held = spec.add_equality(type=connect, objtype=site, name=name, name1=f"{name} 1", name2=f"{name} 2")
-            # time constant [s], damping ratio, and impedance that keeps gaps below 0.1 mm
-            held.solref, held.solimp = (0.004, 1.0), (0.9999, 0.9999, 1e-3, 0.5, 2.0)
+            held.solref, held.solimp = STIFF
         spec.compile()
     except ValueError as error:
         raise BadArgumentError(

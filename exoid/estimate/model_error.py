@@ -15,6 +15,7 @@ from exoid.torques.presliding import hysteresis
 from exoid.torques.terms import SMOOTHING
 
 LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
+STRIBECK = (0.1, 0.3)  # Stribeck velocities, as parts of the largest speed of the training
 KINDS: dict[str, tuple[int, ...]] = {"presliding": (0, 1, 2), "stribeck": (3, 4), "quadratic": (5,), "load": (6,)}
 """Columns of each form of friction."""
 
@@ -51,9 +52,9 @@ class AlternativeFriction:
         for j, of_joint in enumerate(np.moveaxis(out, 1, 0)):
             v = motion.v[:, j]
             sign, slow = np.tanh(v / SMOOTHING), max(self.speed[j], SMOOTHING)
-            of_joint[:] = (  # Stribeck velocities are parts of the largest speed of the training
+            of_joint[:] = (
                 *(motion.states[j, Presliding(length)] for length in LENGTHS),
-                *(sign * np.exp(-((v / (part * slow)) ** 2)) for part in (0.1, 0.3)),
+                *(sign * np.exp(-((v / (part * slow)) ** 2)) for part in STRIBECK),
                 v * np.abs(v),
                 sign * np.abs(load[j]),
             )

@@ -15,6 +15,9 @@ HIP, KNEE = 0, 1
 LOG_RATE = 100.0
 """Sampling rate of the log [Hz]; assumed, as the document does not print it."""
 
+TABLE_II_FREQUENCY = 0.1 * np.pi
+"""Angular frequency of rows 3 to 5 [rad/s]: 0.05 Hz."""
+
 LOWEST, HIGHEST = np.deg2rad([-10.0, 5.0]), np.deg2rad([60.0, 85.0])
 """Range of angle of the multisine, hip and knee [rad]: within the limits of a seated or standing wearer."""
 
@@ -43,7 +46,7 @@ def swing(joint: int) -> Harmonics:
     """Make the motion of rows 3 and 5 (hip) or row 4 (knee): 40° + 20° sin(0.1 π t), the other joint at 20°."""
     centre, amplitude = np.full((2, 1), np.deg2rad(20.0)), np.zeros((1, 2, 1))
     centre[joint], amplitude[0, joint] = np.deg2rad(40.0), np.deg2rad(20.0)
-    return Harmonics(centre, amplitude, np.full((1, 1, 1), 0.1 * np.pi), np.zeros((1, 1, 1)))
+    return Harmonics(centre, amplitude, np.full((1, 1, 1), TABLE_II_FREQUENCY), np.zeros((1, 1, 1)))
 
 
 def validation_motion() -> Harmonics:

@@ -29,6 +29,8 @@ from .problem import Fitted, Problem
 from .row_changes import contact_offsets, residual, rms_residuals
 from .support_groups import MEASURED, MUCH_LEFT_OUT, rocking_finding, support_groups
 
+FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
+LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
 ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
 
@@ -235,17 +237,16 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArra
     residuals = [(rows.time, residual(rows, values)) for rows in map(group.decimated, range(len(group.data)))]
     sizes = [np.abs(row[row != 0.0]) for row in np.vstack([left for _, left in residuals]).T]
     # by the median, which outliers do not move, or by up to twice as much where noise is not the same at all times; not
-    # for feet that carry the base: slips look alike. But at least by a small part of the torque of the row, within
-    # which are errors of filters, and no wrong contacts
+    # for feet that carry the base: slips look alike. But at least by a small part of the torque of the row
     quantiles = np.array([np.quantile(x, (0.5, 0.9)) if len(x) else (np.inf, np.inf) for x in sizes])
     middle, most = quantiles.T / [[0.6745], [1.6449]]  # those of normal noise
     stands = any(isinstance(one.base, StandingBase) for one in group.motions)
     middle = middle if stands else np.clip(most, middle, 2.0 * middle)
-    scale = np.maximum(middle, 0.003 * rms_residuals(problem, [index], np.zeros(len(problem.names))))
+    scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
     for one, (time, left) in zip(group.motions, residuals, strict=True):
         assert one.mask is not None  # see `split`
         far = np.zeros(len(one), dtype=np.bool_)
-        far[np.searchsorted(one.time, time[(np.abs(left) > 6.0 * scale).any(axis=1)])] = True
+        far[np.searchsorted(one.time, time[(np.abs(left) > FAR * scale).any(axis=1)])] = True
         near = scipy.ndimage.binary_dilation(far, iterations=round(EDGE * one.sample_rate))
         found.append((one, one.mask, one.mask & near))
     return found

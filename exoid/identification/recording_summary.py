@@ -21,6 +21,8 @@ from exoid.torques import TorqueModel
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
 
+MOST = 0.5  # torque that has one and the same value in more than this part of the samples was not measured
+
 
 class Torques(NamedTuple):
     """Values that the torque of each joint has, (n,) each."""
@@ -146,7 +148,7 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     for index, joint in enumerate(model.leg.joint_names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
-            if 0.5 < share < 1.0 and not torques.passive[index]:
+            if MOST < share < 1.0 and not torques.passive[index]:
                 raise NotIdentifiableError(
                     f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
                     "the joint moves: these say nothing, or something wrong",

@@ -27,6 +27,7 @@ from .group_rows import Group
 from .problem import Problem
 
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
+FAR_OFF = 0.05  # a sensor this far from where the log says moves the mass of a machine by percents [m]
 STRONGEST = 1e4  # torque that no joint of a machine that stands has [N·m]
 MANY = 2000  # samples that the reference of closed chains is chosen for
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
@@ -186,8 +187,7 @@ def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Findi
             advice = (
                 f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
             )
-            # 5 cm move the mass of a machine by percents
-            yield Finding("imu-position", "", size, "m", "error" if size > 0.05 else "warning", text, advice)
+            yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
 
 
 def rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:

@@ -27,6 +27,9 @@ EXAMPLE = (
     'first = {link = "coupler", xyz = [0, 0, -0.3]} and second = {link = "shank", xyz = [0.04, 0, 0.02]}'
 )
 
+ARM = 0.1
+"""Distance of the points that hold the directions of a pin or weld [m]: a gap of 1 mrad counts as 0.1 mm."""
+
 
 class LoopEnd(NamedTuple):
     """Frame on a link, with the placement that ``<origin>`` of a URDF has."""
@@ -55,7 +58,7 @@ class Loop(NamedTuple):
         """Points of both frames that coincide [m]: one of a ball, two on the axis of a pin, three of a weld, (k, 3)."""
         along = np.array(self.axis) / math.hypot(*self.axis)
         arms = {"ball": np.zeros((0, 3)), "pin": along[None], "weld": np.eye(3)[:2]}[self.kind]
-        return np.array([np.zeros(3), *(0.1 * arms)])  # so far apart that a gap of 1 mrad counts as 0.1 mm
+        return np.array([np.zeros(3), *(ARM * arms)])
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,9 @@ from exoid.errors import BadArgumentError
 
 from .description import FARTHEST
 
+HEAVIEST = 500.0
+"""Largest mass of a payload [kg]; a larger number is in grams."""
+
 FORM = "SEGMENT:MASS@X,Y,Z in kg and m, such as shank:3.0@0,0,-0.3"
 """Form of a payload in text."""
 
@@ -49,7 +52,7 @@ class Payload:
             raise BadArgumentError(f"invalid payload: {self!r}", remedy="give mass in kg ≥ 0, and x, y, z in m")
         if not isinstance(self.joint, str) or not self.joint:
             raise BadArgumentError(f"a payload on {self.joint!r}", remedy="name the joint that carries it")
-        if numbers[0] > 500.0 or np.abs(numbers[1:]).max() > FARTHEST:
+        if numbers[0] > HEAVIEST or np.abs(numbers[1:]).max() > FARTHEST:
             raise BadArgumentError(
                 f"invalid payload, too heavy or too far away: {self!r}",
                 remedy="give mass in kg, not g, and x, y, z in m, not mm",

@@ -13,6 +13,9 @@ from exoid._typing import FloatArray
 from .settings import Settings
 from .state import STICKING, UNKNOWN, State
 
+TOUCHED = 0.05
+"""Largest share of a row that samples may have at which a joint may stick."""
+
 STEP = 1e-3
 """Step of an angle from which the effect of its zero follows [rad]."""
 
@@ -69,7 +72,7 @@ def _marks(settings: Settings, v: FloatArray, marks: FloatArray) -> FloatArray:
 
 
 def _kept(W: FloatArray, tau: FloatArray, marks: FloatArray, motion: Sequence[FloatArray], slope: FloatArray) -> Rows:
-    used = marks < 0.05  # part of a row in which its joint may stick
+    used = marks < TOUCHED
     return Rows(W * used[:, :, None], tau * used, used, np.array(motion), slope * used)
 
 

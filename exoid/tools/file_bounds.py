@@ -11,8 +11,14 @@ from exoid.errors import ExoidError, UnreadableInputError
 MOST_MEMORY = 2**27
 """Size of numbers in memory from which on the expansion of a file is checked [bytes]."""
 
+MOST_EXPANSION = 50
+"""Largest ratio of size in memory to size on disk. Measurements contain noise: few compress by more than 10."""
+
 READER_MEMORY = 2**29
 """Memory that a reader needs beside the content of the file [bytes]."""
+
+SLOWEST = 2e5
+"""Lowest rate at which a file is read [bytes/s]; bags take longest."""
 
 
 def size_on_disk(path: Path) -> int:
@@ -23,13 +29,13 @@ def size_on_disk(path: Path) -> int:
 
 def most_memory(size: int) -> int:
     """Largest plausible size of a file's numbers in memory."""
-    return max(MOST_MEMORY, 50 * size)  # measurements contain noise: few compress by more than 10
+    return max(MOST_MEMORY, MOST_EXPANSION * size)
 
 
 def most_seconds(size: int) -> float:
     """Longest time that reading a file may take."""
-    # 15 s beside the content of the file, and 200 kB/s for that: bags take longest
-    return 15.0 + size / 2e5
+    # Time that a reader needs beside the content of the file [s]
+    return 15.0 + size / SLOWEST
 
 
 def refuse_expansion(memory: int, path: Path) -> None:

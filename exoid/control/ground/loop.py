@@ -31,6 +31,9 @@ LEVEL = 0.05
 TURNS = 0.01
 """Planned tilt from which a sole turns about its heel or toe [rad]."""
 
+BLENDING = 0.5
+"""Time in which the reference moves from one function to the next [s], an assumption."""
+
 SEEK, LONGEST = 0.2, 0.4
 """Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
 
@@ -40,6 +43,9 @@ ASTRAY, UNLIKE, AGREES, HOLDS = 0.45, 0.4, 1.2, 0.02
 BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
 """Time for which the accelerometer tells a velocity [s], that of a sole at rest [m/s], and slips that count [m]."""
 # From the first the ground is slippery, and a seat is not left; from the second the footing is lost.
+
+CAUTION = 0.7
+"""Share of the ratio of forces at which a sole slips that the law may use then."""
 
 
 @dataclass(eq=False)
@@ -265,8 +271,7 @@ class CoordinatedLoop(LawLoop):
             wanted = forces[link][1] if link in forces else 0.0
             beside += abs(force.imag - wanted) / self.law.weight if forces else 0.0
             if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS:
-                # the ratio at which it slips is more than what the law may use
-                ratio = 0.7 * max(abs(force.real) / max(force.imag, 1.0), 0.05)
+                ratio = CAUTION * max(abs(force.real) / max(force.imag, 1.0), 0.05)
                 self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(ratio)))
         self._beside += dt / AGREES * (beside - self._beside)
 
@@ -306,8 +311,7 @@ class CoordinatedLoop(LawLoop):
                 speed[own] += (way := SEEK * self._lowering(q, side, own))
                 lower[own] = self._late[side] * way
         self._since += dt
-        # one function passes to the next within 0.5 s, an assumption
-        self._x = x + self._off * (1.0 - minimum_jerk(self._since / 0.5))
+        self._x = x + self._off * (1.0 - minimum_jerk(self._since / BLENDING))
         return _target(self._x + lower, speed, bend * rate**2)
 
     def _lowering(self, q: FloatArray, side: str, joints: slice) -> FloatArray:

@@ -21,6 +21,7 @@ from .patterns import ALWAYS, PLAIN, Columns, absent, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 ALIKE = 1.03  # ratio of errors up to which models predict alike, by seeds below 100 of the proving ground
+SYMMETRIC = 1e-4  # |Y| over |X| of the URDF up to which it says that a segment is symmetric: that of rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +117,7 @@ def _ends(search: Search, progress: Callable[[float], None]) -> list[tuple[Candi
     if search.late:
         ends = [min(*ends, end("by joint", search, 0.25), key=lambda one: one[0].error)]
     sizes = dict(zip(search.leg.parameter_names, search.leg.parameters.tolist(), strict=True))
-    # a segment is symmetric by its URDF where |Y| is within rounding of |X|
-    wide = {name: 1e-4 * abs(sizes.get(f"X{name[1:]}", 0.0)) for name in sizes if name.startswith("Y")}
+    wide = {name: SYMMETRIC * abs(sizes.get(f"X{name[1:]}", 0.0)) for name in sizes if name.startswith("Y")}
     symmetric = {name: sizes[name] for name, bound in wide.items() if abs(sizes[name]) < bound}
     if symmetric.keys() - search.known.keys():
         knowing = replace(ends[0][1].search, known={**symmetric, **search.known})

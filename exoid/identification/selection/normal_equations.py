@@ -16,6 +16,7 @@ from exoid.regression.least_squares import TINY
 from .design import Design
 
 RIDGE = 1e-10  # added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent
+HELD = 1e8  # information about a known parameter, over that of all rows
 
 Active = Sequence[NDArray[np.intp]]
 """Indices of the friction columns of each joint that are fitted."""
@@ -38,7 +39,7 @@ class NormalEquations(NamedTuple):
         base = np.sum([a.T @ b for a, b in zip(weighted, design.base, strict=True)], axis=0)
         torque = np.sum([a.T @ t for a, t in zip(weighted, design.tau, strict=True)], axis=0)
         for k, value in design.known.items():
-            sure = 1e8 * base[k, k]  # beside the information of all rows
+            sure = HELD * base[k, k]
             base[k, k] += sure
             torque[k] += sure * value
         return cls(

@@ -36,6 +36,9 @@ STATIC = StaticProtocol(readings=25)
 SETTLE = 2.0
 """Initial part of a dynamic experiment that is left out [s]."""
 
+TILTS = (-30.0, 30.0)
+"""Torso tilts for the stiffness of the hip [deg], which document 1 proposes but does not use."""
+
 
 @dataclass(frozen=True)
 class Extent:
@@ -85,7 +88,7 @@ def measure_bleex(
     upright = run_static(plant, sets.all, BENCH, rng, STATIC)
     report(0.2)
     tilted = []
-    for tilt in (-30.0, 30.0):  # [deg], which document 1 proposes for the stiffness of the hip and does not use
+    for tilt in TILTS:
         poses = bleex.static_sets(rng, extent.poses).random
         tilted_plant = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).repeat(replicates)
         tilted.append([both.averaged for both in run_static(tilted_plant, poses, BENCH, rng, STATIC)])

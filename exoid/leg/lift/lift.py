@@ -38,6 +38,12 @@ from exoid.tools.read_only import ReadOnly
 from .nearest_bodies import Problem, approach, reproduce
 from .pseudo_inertia import make_consistent
 
+HEAVIEST = 10.0
+"""Largest mass of a link over its mass in the URDF, which is first scaled up if all inertias there are too small.
+
+Without this bound the nearest consistent estimate often has links of infinite mass.
+"""
+
 PULL = 1.0
 """Usual pull towards the leg's own links: as if their inertias had standard deviations of 50 %."""
 
@@ -181,8 +187,7 @@ def nearest_within(leg: Leg, values: ArrayLike, covariance: ArrayLike, distance:
 
 def _usual_mass(own: FloatArray, target: FloatArray) -> float:
     """Bound of a link's mass over that in the URDF, from whitened values of the URDF and the target."""
-    # Scaled up first if all inertias there are too small. Without a bound the nearest links often have infinite mass.
-    return 10.0 * max(1.0, float(own @ target) / float(own @ own))
+    return HEAVIEST * max(1.0, float(own @ target) / float(own @ own))
 
 
 def _problem(leg: Leg, target: FloatArray) -> tuple[FloatArray, Problem]:

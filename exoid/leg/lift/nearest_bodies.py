@@ -18,6 +18,24 @@ from exoid.leg.reduction.reduction import Reduction
 
 from .pseudo_inertia import BASIS, congruence, link_parameters, pseudo_inertias, upper_factors
 
+PENALTIES = 10.0 ** -np.arange(11)
+"""μ of the successive problems; the remaining error of the last one is corrected exactly."""
+
+GAP = 1e-5
+"""Tolerance of the smallest χ² of an infeasible estimate, relative."""
+
+NEGLIGIBLE = 1e-9
+"""Tolerance of the smallest χ², absolute."""
+
+STEPS = 300
+"""Largest number of Newton steps for each μ; a dozen is usual."""
+
+SETTLED = 1e-12
+"""Half the squared Newton decrement at which a problem counts as solved."""
+
+LONGEST = 0.95
+"""Largest step, as a fraction of the distance to the boundary of the consistent set."""
+
 TRACE = np.trace(BASIS, axis1=1, axis2=2)
 """tr P = TRACE · π."""
 
@@ -48,14 +66,14 @@ class Problem:
     def minimise(self, U: FloatArray, misfit: Misfit) -> FloatArray:
         """Minimise D + misfit by damped Newton steps from bodies with factors U, (n, 4, 4)."""
         best = self._objective(U, misfit)
-        for _ in range(300):  # a dozen is usual
+        for _ in range(STEPS):
             Y, gain = self._newton_step(U, misfit)
-            if gain < 1e-12 * (1.0 + best):
+            if gain < SETTLED * (1.0 + best):
                 break
             nearest = float(
                 np.linalg.eigvalsh(Y)[:, 0].min()
             )  # 1 + length · Y is consistent while length · nearest > −1
-            length = min(1.0, 0.95 / max(-nearest, 1e-9))
+            length = min(1.0, LONGEST / max(-nearest, 1e-9))
             while True:
                 trial = U @ upper_factors(np.eye(4) + length * Y)
                 value = self._objective(trial, misfit)
@@ -127,7 +145,7 @@ def _exact(
 ) -> tuple[FloatArray | None, bool]:
     """π̃ of the bodies with the target's values, (10 n,), None if none are consistent; and whether one is too heavy."""
     U, smallest_change = problem.prior, np.linalg.pinv(natural @ problem.K) @ natural
-    for mu in 10.0 ** -np.arange(11):  # the error that the last one leaves is corrected exactly
+    for mu in PENALTIES:
         U = problem.minimise(U, Misfit(natural, target, mu, bound))
         unit = _unit(U)
         unit = unit + smallest_change @ (target - problem.K @ unit)
@@ -150,10 +168,10 @@ def approach(
     enough: float = 0.0,
 ) -> Bodies:
     """Find the bodies whose values are nearest to the target in a metric, or those of least χ²/2 + w D."""
-    U, gap = problem.prior, 0.1 if enough else 1e-5  # where others are enough, the nearest need not be exact
+    U, gap = problem.prior, 0.1 if enough else GAP  # where others are enough, the nearest need not be exact
     chi_squared = _chi_squared(problem, target, metric, U)
     mu = max(chi_squared, 10.0 * pull)
-    while mu > pull if pull else (4 * problem.links + heaviest.sum()) * mu > max(gap * chi_squared, 1e-9):
+    while mu > pull if pull else (4 * problem.links + heaviest.sum()) * mu > max(gap * chi_squared, NEGLIGIBLE):
         if chi_squared <= enough**2:
             break
         mu = max(mu / 10.0, pull)

@@ -18,6 +18,12 @@ BASIS = np.array([pin.PseudoInertia.FromDynamicParameters(unit).toMatrix() for u
 COORDINATES = np.linalg.pinv(BASIS.reshape(10, 16).T)
 """Link parameters π of a flattened pseudo-inertia, (10, 16)."""
 
+SMALLEST_RADIUS = 1e-2
+"""Smallest radius of gyration in any direction that a repaired body gets [m]."""
+
+THINNEST = 1e-3
+"""Smallest second moment that a repaired body gets, over its largest."""
+
 
 def pseudo_inertias(link_parameters: FloatArray) -> FloatArray:
     """Compute the pseudo-inertia P of each link."""
@@ -42,14 +48,14 @@ def margins(link_parameters: FloatArray) -> FloatArray:
 def make_consistent(link_parameters: FloatArray) -> FloatArray:
     """Give bodies without a mass distribution, such as point masses or rods, a small extent."""
     # Mass and centre of mass do not change. Principal second moments about the centre of mass grow to at least
-    # m · (1 cm)² and a thousandth of the largest.
+    # m · `SMALLEST_RADIUS`² and `THINNEST` times the largest.
     repaired = np.reshape(link_parameters, (-1, 10)).copy()
     # Smallest margin of a consistent body, beyond rounding
     for k in np.flatnonzero(margins(link_parameters) < 1e-8):
         P = pseudo_inertias(repaired[k])[0]
         mass, moment = P[3, 3], P[:3, 3]
         values, axes = np.linalg.eigh(P[:3, :3] - np.outer(moment, moment) / mass)
-        least = max(1e-3 * values[-1], mass * 1e-2**2)
+        least = max(THINNEST * values[-1], mass * SMALLEST_RADIUS**2)
         P[:3, :3] += (axes * np.maximum(least - values, 0.0)) @ axes.T
         repaired[k, 4:] = (P.ravel() @ COORDINATES.T)[4:]
     return repaired.ravel()

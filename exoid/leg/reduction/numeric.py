@@ -31,11 +31,20 @@ from .tree_regressor import BaseSamples, fill_tree_regressor
 ROUNDING = 5e-5
 """Largest error of a number with four decimals: rotations [rad] and positions [m] of joints."""
 
+DRAWS = 4
+"""Random roundings; each has as many rows as the regressor."""
+
 DISTINCT = 5.0
 """Smallest effect of a base parameter over that of rounding the URDF's numbers; see above."""
 
 GAP = 2.0
 """Smallest ratio between effects above and below :data:`DISTINCT`, unless the latter are those of exact zeros."""
+
+SHORTEST = 1e3
+"""Effect of rounding on a column times this is the least length that it is scaled by.
+
+So a column that is only rounding stays short, and represents no group.
+"""
 
 REMEDY = "round away tiny offsets and angles between joint axes in the URDF"
 
@@ -60,7 +69,7 @@ def numeric(
     regressor = partial(_random_regressor, seed=seed, moving_base=moving_base)
     W = regressor(model, closure)
     rng = np.random.default_rng(seed)
-    changes = [regressor(*_rounded(model, closure, rng)) - W for _ in range(4)]
+    changes = [regressor(*_rounded(model, closure, rng)) - W for _ in range(DRAWS)]
     scale = _column_scale(W, changes)
     nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > ROUNDED * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
@@ -129,8 +138,7 @@ def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatA
 def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
     """Length of each column; where that is hardly more than rounding, a length that keeps the column short."""
     length = np.linalg.norm(W, axis=0)
-    # so a column that is only rounding represents no group
-    rounded = 1e3 * np.sqrt(np.mean([np.sum(change**2, axis=0) for change in changes], axis=0))
+    rounded = SHORTEST * np.sqrt(np.mean([np.sum(change**2, axis=0) for change in changes], axis=0))
     return np.asarray(np.maximum(np.maximum(length, rounded), ROUNDED * length.max()))
 
 

@@ -12,6 +12,9 @@ from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.leg.model import joint_axis
 
+TOLERANCE = 1e-12
+"""Largest error of an axis that counts as one of x, y, z."""
+
 FREE_FLYER = "JointModelFreeFlyer"
 """Pinocchio's name of a joint of six degrees of freedom."""
 
@@ -86,7 +89,7 @@ def _joint(parent: int, motion: FloatArray, into: FloatArray, carriers: tuple[in
     direction = motion[3:] if turns else motion[:3]
     axis = int(np.argmax(np.abs(direction)))
     sign = float(np.sign(direction[axis]))
-    if np.abs(direction - sign * np.eye(3)[axis]).max() <= 1e-12:
+    if np.abs(direction - sign * np.eye(3)[axis]).max() <= TOLERANCE:
         return TreeJoint(parent, turns, axis, sign, into, None, carriers)
     rotation = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), direction).matrix()
     after = pin.SE3(rotation, np.zeros(3)).action

@@ -15,8 +15,19 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import ball_radius
 from exoid.leg.torso import MovingBase
 
+POSES = 5
+"""Random poses of which the independent constraints are counted."""
+
 ALIGNED = 0.2
 """Least part of each axis of closed chains that is left in the directions in which a sample can move."""
+
+
+TINY = 1e-18
+"""Stands for the square of a singular value of constraints that is zero: such a sample is not used."""
+
+
+KEPT_BYTES = 2**25
+"""Bytes of eliminations that are kept, the newest."""
 
 
 class Elimination(NamedTuple):
@@ -58,8 +69,7 @@ def eliminate(
     if key not in _kept:
         found = _eliminate(leg, links, q, axes, up)
         _kept[key] = found
-        # the newest 32 MiB are kept
-        while sum(part.nbytes for each in _kept.values() for part in each if part is not None) > 2**25:
+        while sum(part.nbytes for each in _kept.values() for part in each if part is not None) > KEPT_BYTES:
             del _kept[next(iter(_kept))]
         return found
     return _kept[key]
@@ -85,8 +95,7 @@ def _eliminate(
     # Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly
     # move up
     fit &= kept[:, 0] > 0.03**2 * kept[:, -1]
-    # squares that are zero are not divided by: such a sample is not used
-    held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, 1e-18))[..., np.newaxis]
+    held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, TINY))[..., np.newaxis]
     P = np.eye(C.shape[2]) - np.swapaxes(held, 1, 2) @ held
     E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
     loop, aligned = _orthonormal(P, E)
@@ -124,7 +133,7 @@ def _constraints(
 
 def _rank(leg: Leg, links: Sequence[str]) -> int:
     """Number of independent constraints of closed chains in a pose without symmetries."""
-    poses = np.random.default_rng(0).standard_normal((5, len(leg.joint_names)))
+    poses = np.random.default_rng(0).standard_normal((POSES, len(leg.joint_names)))
     _, C = _constraints(leg, links, poses)
     assert C is not None
     # Singular values of the constraints below this part of the largest are those of directions that cannot move

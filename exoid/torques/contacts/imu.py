@@ -37,6 +37,9 @@ APART = 0.03
 Of 17 seeds below 20 of `study_stance.py --walkers`, feet that rock differ by 0.040 to 0.069, others by at most 0.021.
 """
 
+PIECE = 1.5
+"""Longest part of a rest that counts as one [s]: a foot that rocks leans otherwise in the next."""
+
 BESIDE, FARTHEST, EXPLAINED = 0.03, 0.5, 0.05
 """A sensor is elsewhere by more than the first and less than the second [m], if that explains so much of what is quick
 in its difference from the feet (variance), over all recordings.
@@ -44,6 +47,9 @@ in its difference from the feet (variance), over all recordings.
 Of nine walkers of `study_stance.py --walkers` (seeds 20 to 33) with right places it explains 0.015 at most, with places
 7 cm off 0.095 at least. Feet that rock explain 0.5, but by a place 0.75 m away: the ground.
 """
+
+FEW = 3
+"""From so many rests on, standard deviations follow from their differences, where these are larger."""
 
 
 class ImuErrors(NamedTuple):
@@ -97,7 +103,7 @@ def imu_errors(
     gyro, force = (np.zeros(3) if _within_scatter(x) else x.mean(axis=0) for x in (of_gyro, of_force))
     left = (x - (x.mean(axis=0) if _within_scatter(x) else 0.0) for x in (of_gyro, of_force))
     std = np.repeat([x.std() / np.sqrt(len(x)) for x in left], 3)
-    if len(means) >= 3:  # rests differ by more than white noise
+    if len(means) >= FEW:  # rests differ by more than white noise
         std = np.maximum(std, np.sqrt(spread / (1.0 / (shares @ shares) - 1.0)))
     return ImuErrors(gyro, force, std, turn=turns.mean(axis=0))
 
@@ -151,8 +157,7 @@ def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate
         middle = np.array([_densest(of_axis, width) for of_axis in smooth[flags].T])
         flat = flat & (np.linalg.norm(smooth - middle, axis=1) < width)
     places = np.flatnonzero(scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate))))
-    # a foot that rocks leans otherwise in the next 1.5 s
-    cuts = np.flatnonzero((np.diff(places) > 1) | (np.diff(places // round(1.5 * rate)) > 0)) + 1
+    cuts = np.flatnonzero((np.diff(places) > 1) | (np.diff(places // round(PIECE * rate)) > 0)) + 1
     arrays = (*aside, np.swapaxes(still.pose.rotation, 1, 2))
     pieces = zip(*(np.split(array[places], cuts) for array in arrays), strict=True)
     return [list(piece) for piece in pieces if len(piece[0])]

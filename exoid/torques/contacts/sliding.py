@@ -33,6 +33,9 @@ BASELINE = 0.8
 SEEN, EDGE_OF_SLIP = 6.0, 3.0
 """A slip is faster than so many standard deviations somewhere, and lasts while it is faster than so many."""
 
+SLOWEST = 1e-3
+"""Standard deviation of the velocity of a foot that rests [m/s], at least: soft soles move as much."""
+
 
 class Slip(NamedTuple):
     """Samples at which a link that is said to rest slides, as an inertial measurement unit sees it."""
@@ -93,7 +96,7 @@ def sliding(
             continue
         along = np.einsum("nij,nj->ni", pose.rotation[:, :2], aside)  # the ground, in level axes
         speeds = [_velocity(along[run], rate) for run in runs]
-        std = np.maximum(robust_std(np.vstack(speeds)), 1e-3)  # [m/s], as soft soles move at rest
+        std = np.maximum(robust_std(np.vstack(speeds)), SLOWEST)
         for run, speed in zip(runs, speeds, strict=True):
             over = (np.abs(speed) / std).max(axis=1)
             pieces, _ = scipy.ndimage.label(over > EDGE_OF_SLIP)

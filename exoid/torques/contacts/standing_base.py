@@ -21,6 +21,9 @@ def level_rotation(leg: Leg, link: str) -> FloatArray:
     return np.asarray(link_placements(leg, np.zeros((1, len(leg.joint_names))), link).rotation[0])
 
 
+CUTOFF = 15.0
+"""Cut-off frequency of the motion [Hz], above that of the filter that follows."""
+
 LEVEL = np.deg2rad(0.5)
 """Standard deviation of the lean of ground that is taken for level, about each axis [rad]."""
 
@@ -46,7 +49,7 @@ def standing_base(
     if pivot is not None:
         place += pivot - leans @ pivot
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
-    cutoff = min(0.2 * recording.sample_rate, 15.0)  # [Hz], above that of the filter that follows
+    cutoff = min(0.2 * recording.sample_rate, CUTOFF)
     found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
     return StandingBase(found.angular_velocity, found.specific_force, found.position, found.pose, link=link)
 

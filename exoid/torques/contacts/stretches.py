@@ -31,6 +31,9 @@ EDGE = 0.1
 Shorter gaps of a contact are filled.
 """
 
+LATE = 0.05
+"""A foot may be down so long before its switch closes, or after it opened [s]."""
+
 SETTLING = 0.03
 """A foot slips and rings for so long after a touch-down [s]; 0.02 is too short, see scripts/study_heel_toe.py."""
 
@@ -120,7 +123,7 @@ def split(
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
     landing = touch_downs(leg, rest, len(recording), round(SETTLING * recording.sample_rate))
     near, steady = smeared / recording.sample_rate + SETTLING, ~scipy.ndimage.binary_dilation(landing, None, smeared)
-    beside = smeared + round(0.05 * recording.sample_rate)
+    beside = smeared + round(LATE * recording.sample_rate)
     longer = {link: scipy.ndimage.binary_dilation(x, iterations=beside) for link, x in (unknown | rest).items()}
     down = whole_feet(leg, longer)
     if leg.base_rows and recording.base is None:
