@@ -41,6 +41,7 @@ def best():
     return found
 
 
-def test_no_law_takes_longer_than_40_calls_of_rnea(best):
-    """Some 20 operations on arrays of two numbers: 13 to 28 calls by the processor, where one takes 0.9 µs."""
-    assert max(best.values()) <= 40.0 * best["rnea"]
+def test_a_model_makes_a_step_at_most_five_times_as_long_as_that_of_pd(best):
+    """Both are Python: 3.4 to 3.9 on processors that do 18 to 28 calls of rnea meanwhile, and pd itself 5 to 7."""
+    assert max(best.values()) <= 5.0 * best["pd"]
+    assert best["pd"] <= 10.5 * best["rnea"]
