@@ -213,8 +213,7 @@ class Coordinator:
             way = -1.0 if name in leaving else 0.0 if level == "frozen" else 1.0
             # a foot that is felt and then bears next to nothing would be lost again
             course = max(memory.loaded.get(name, 0.0), 0.3 * (way > 0.0)) + way * dt / self.transfer
-            bearing = name in kept and level != "damping"
-            memory.loaded[name] = min(max(course, 0.0), 1.0) if bearing else 0.0
+            memory.loaded[name] = min(max(course, 0.0), 1.0) if name in kept and level != "damping" else 0.0
         if level == "damping" or not feet:
             return Decision(memory.function, memory.phase, "damping", {})
         shares = {name: float(minimum_jerk(memory.loaded[name])) for name in kept}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain, combinations
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -175,8 +175,7 @@ class ContactFilter:
     @cached_property
     def sets(self) -> tuple[frozenset[str], ...]:
         """Sets of contacts, one a hypothesis; the last hypothesis, the unknown, has none."""
-        links = tuple(self.soles)
-        return tuple(map(frozenset, chain.from_iterable(combinations(links, k) for k in range(len(links) + 1))))
+        return tuple(frozenset(links) for k in range(len(self.soles) + 1) for links in combinations(self.soles, k))
 
     @cached_property
     def feet(self) -> tuple[str, ...]:

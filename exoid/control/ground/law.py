@@ -215,8 +215,7 @@ class StanceLaw:
         if self.estimate is None:
             return np.zeros(self.model.n)
         acceleration = self.command(state, target).acceleration
-        given = {link: float(state.shares.get(link, 1.0)) for link in state.contacts}
-        _, rows, shares = self._setting(state, given)
+        _, rows, shares = self._setting(state, {link: float(state.shares.get(link, 1.0)) for link in state.contacts})
         J = np.concatenate([each.J for each in rows])
         columns = _columns(self.estimate, state, acceleration)
         T = columns[BASE:] - J[:, BASE:].T @ share_map(J[:, :BASE].T, shares, rows, bearing=True) @ columns[:BASE]

@@ -62,13 +62,15 @@ class LawLoop:
         reading: GroundReading,
         shares: Mapping[str, float],
         target: GroundTarget,
+        plan: FloatArray | None,
         interaction: FloatArray | None = None,
     ) -> FloatArray | None:
-        """Torque by the soles with a share; a tilted one touches with heel or toe. None without any."""
+        """Torque by the soles with a share, None without any; one that is tilted, or is to be, bears by heel or toe."""
         contacts: dict[str, ContactKind] = {}
         for link in shares:
-            turns = self.law.model.turns[link]
-            planned, tilt = target.pitch + turns @ target.q - self.lean, reading.pitch + turns @ reading.q - self.lean
+            turns = np.append(self.law.model.turns[link], 1.0)
+            tilt = float(turns @ np.append(reading.q, reading.pitch)) - self.lean
+            planned = 0.0 if plan is None else float(turns @ plan) - self.lean
             # a sole that is to turn about its toe must not be held: the machine would work against itself
             tilt, level = (planned, TURNS) if abs(planned) > TURNS else (tilt, LEVEL)
             contacts[link] = "flat" if abs(tilt) < level else "heel" if tilt > 0.0 else "toe"
@@ -135,12 +137,12 @@ class GroundLoop(LawLoop):
         shares = {}
         self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
         for link, closed in self._closed.items():
-            touching = reading.time - closed < BOUNCE
-            course = self._course.get(link, 0.0) + (dt / LOADING if touching else -dt / BOUNCE)
+            course = self._course.get(link, 0.0) + dt / (LOADING if reading.time - closed < BOUNCE else -BOUNCE)
             self._course[link] = course = min(max(course, 0.0), 1.0) if planned.get(link, 1.0) > 0.0 else 0.0
             if course > 0.0:
                 shares[link] = planned.get(link, 1.0) * float(minimum_jerk(course))
-        torque = self.supported(reading, shares, self.target(reading.time))
+        target = self.target(reading.time)
+        torque = self.supported(reading, shares, target, np.append(target.q, target.pitch))
         return -BRAKE * reading.v if torque is None else torque
 
 
@@ -218,12 +220,11 @@ class CoordinatedLoop(LawLoop):
         request = self._requests.pop()[1] if self._requests and reading.time >= self._requests[-1][0] else None
         flexion = legs_flexion(self.law.model.leg, reading.q[np.newaxis])[0]
         before = self._memory.function, self._memory.phase
-        lost = self._lost(reading)
-        decision = self.coordinator.decide(self._memory, self._chances, flexion, request, lost=lost)
+        decision = self.coordinator.decide(self._memory, self._chances, flexion, request, lost=self._lost(reading))
         self.decisions.append(decision)
         shares = {self._links[name]: share for name, share in decision.shares.items() if share > 0.0}
-        target = self._follow(*before, reading, frozenset(decision.shares))
-        torque = self.supported(reading, shares, target, reading.interaction)
+        target, plan = self._follow(*before, reading, frozenset(decision.shares))
+        torque = self.supported(reading, shares, target, plan, reading.interaction)
         self._watch(reading, {} if torque is None or self.state is None else self.state.contacts)
         wanted = -self.coordinator.damping * reading.v if torque is None else torque
         if self._memory.torque is None:
@@ -282,8 +283,10 @@ class CoordinatedLoop(LawLoop):
         slips = max(self._slipped.values(), default=0.0) > (NOTICED if SEAT in self._memory.known else LOST)
         return far > ASTRAY or unlike or slips
 
-    def _follow(self, function: str, phase: float, reading: GroundReading, bears: Contacts) -> GroundTarget:
-        """Reference of the function that runs, given the last one and its phase; the safe stop stays where it is."""
+    def _follow(
+        self, function: str, phase: float, reading: GroundReading, bears: Contacts
+    ) -> tuple[GroundTarget, FloatArray | None]:
+        """Reference of the function that runs, given the last, and its plan; the safe stop, without one, stays."""
         now, dt, q = self._memory, 1.0 / self.coordinator.rate, reading.q
         lands, self._bears = bears - self._bears, bears
         curve = self._curves.get(now.function)
@@ -292,7 +295,7 @@ class CoordinatedLoop(LawLoop):
             self._off[:] = self._since[:] = 0.0
             if self._x is None or not bears:
                 self._x = np.append(q, reading.pitch)
-            return _target(self._x, still, still)
+            return _target(self._x, still, still), None
         x, slope, bend = (curve(now.phase, k) for k in range(3))
         rate = (now.phase - phase) / dt
         if now.function != function:
@@ -312,7 +315,8 @@ class CoordinatedLoop(LawLoop):
                 lower[own] = self._late[side] * way
         self._since += dt
         self._x = x + self._off * (1.0 - minimum_jerk(self._since / BLENDING))
-        return _target(self._x + lower, speed, bend * rate**2)
+        # soles turn as the function plans: the reference that meets a foot where it landed has an error of the pitch
+        return _target(self._x + lower, speed, bend * rate**2), x
 
     def _lowering(self, q: FloatArray, side: str, joints: slice) -> FloatArray:
         """Change of the angles of a leg that lowers its sole by 1 m, parallel to itself if it has an ankle."""

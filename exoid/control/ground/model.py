@@ -105,8 +105,7 @@ class GroundModel(ControlModel):
             body, placement = link_frame(leg.model, leg.description, link)
             turn = (np.eye(3) if body < 0 else at_zero[body]) @ placement.rotation
             place = placement * pin.SE3(turn.T @ plane, 0.5 * (sole.points.min(axis=0) + sole.points.max(axis=0)))
-            frame = pin.Frame(f"exoid sole {link}", body + 2, 0, place, pin.FrameType.OP_FRAME)
-            free.addFrame(frame)
+            free.addFrame(pin.Frame(f"exoid sole {link}", body + 2, 0, place, pin.FrameType.OP_FRAME))
         free.gravity.setZero()
         return free
 

@@ -83,14 +83,16 @@ def test_filter_and_coordinator_have_one_rate_and_requests_are_of_functions(mach
 
 
 def test_a_foot_that_is_planned_on_the_ground_and_not_felt_is_lowered_until_it_bears(machine):
-    """The right foot begins 2 cm above the ground: a step that ends higher than planned."""
+    """The right foot begins 2 cm above the ground, and the torso leans 0.03 rad: it lands level, and counts as flat."""
     loop, body = loop_of(machine, {}), Body.of(machine.leg, machine.soles)
     stand, time = loop.coordinator.functions["stand"], np.arange(0.0, 1.2, 0.01)
-    flexion, (forward, up, pitch) = stand.flexion[:1].copy(), stand.torso[0]
-    flexion[:, 1] = body.reach(np.array([forward + 1j * up]), pitch, np.array([0.02j]), 0.0)
+    flexion, torso = stand.flexion[:1].copy(), stand.torso[0] - np.array([0.0, 0.0, 0.03])
+    for side, height in enumerate([0.0, 0.02j]):
+        flexion[:, side] = body.reach(torso[:1] + 1j * torso[1], torso[2], np.array([height]), 0.0)
     q = np.tile(joint_angles(machine.leg, flexion), (len(time), 1))
-    motion = GroundMotion(time, q, np.zeros_like(q), np.tile(stand.torso[0], (len(time), 1)))
+    motion = GroundMotion(time, q, np.zeros_like(q), np.tile(torso, (len(time), 1)))
     run = simulate_on_ground(machine, motion, loop, rates=RATES, sensors=SENSORS, spring=HAND_RAIL, seed=4)
+    assert {len(force) for command in loop.commands if command for force in command.forces.values()} == {3}  # flat
     right = run.feet["right_foot"]
     assert not right.touching[:20].any()
     assert right.force[-50:, 2].min() > 100.0
