@@ -148,5 +148,4 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
 def discretise(continuous: Linear, period: float) -> Linear:
     """Discretise with the torque held over each period."""
     A, B = continuous
-    sampled = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)
-    return Linear(*sampled[:2])
+    return Linear(*scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)[:2])

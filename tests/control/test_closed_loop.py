@@ -83,8 +83,7 @@ def test_metrics_are_what_their_names_say():
 
 def test_many_rigs_at_once_do_what_each_does_alone():
     plants = [cuhk_plant(), cuhk_plant(0.0), cuhk_plant(c0_hip=3.0)]
-    leg = plants[0].leg
-    assert all(plant.leg is leg for plant in plants)
+    assert all(plant.leg is plants[0].leg for plant in plants)
     together = simulate_many(
         Plant.concatenate(plants), pd(KP, KD), healthy_gait(period=2.0), 0.6, names=("rotor", "none", "stiff")
     )

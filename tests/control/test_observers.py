@@ -253,8 +253,7 @@ def test_noise_crosses_the_threshold_as_often_as_asked(pole):
     level = threshold(30.0, pole, rate)
     above = np.abs(noise) > level
     alarms = np.count_nonzero(above[1:] & ~above[:-1])
-    minutes = samples / rate / 60.0
-    assert alarms / minutes == pytest.approx(30.0, rel=0.12)
+    assert alarms / (samples / rate / 60.0) == pytest.approx(30.0, rel=0.12)
 
 
 def alarms_of(run, observer) -> np.ndarray:

@@ -44,8 +44,7 @@ def test_friction_compensation_never_drives():
 @pytest.mark.parametrize(("c0", "d"), [(-0.5, 0.1), (0.5, -0.4), (-0.2, -0.1)])
 def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
     """Table III as printed, or an estimate whose viscous friction is slightly negative."""
-    model = ControlModel.of(RUBBING)
-    wrong = replace(model, coulomb=np.full(2, c0), viscous=np.full(2, d))
+    wrong = replace(ControlModel.of(RUBBING), coulomb=np.full(2, c0), viscous=np.full(2, d))
     v = np.linspace(-3.0, 3.0, 61) * np.ones((2, 1))
     torque = PASSIVE.torque(wrong, State(np.zeros_like(v), v), None)
     assert (torque * v >= 0.0).all()

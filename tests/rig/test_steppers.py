@@ -61,8 +61,7 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     """Root mean square over rigs that stop, rest and turn at other times each."""
     B = 16
     parts = [Plant.build(BLEEX, {**FRICTION, "b1_hip": x}, end_stops=False) for x in np.linspace(0.0, 6.0, B)]
-    plant = Plant.concatenate(parts)
-    runs = [final_state(plant, dt, 1.5) for dt in (1e-3 / 16, 1e-3, 5e-4, 2.5e-4)]
+    runs = [final_state(Plant.concatenate(parts), dt, 1.5) for dt in (1e-3 / 16, 1e-3, 5e-4, 2.5e-4)]
     assert runs[0][1] > 500  # joints rested
     errors = [np.sqrt(np.mean((run[0][:3] - runs[0][0][:3]) ** 2)) for run in runs[1:]]
     assert errors[1] < 0.5 * errors[0]

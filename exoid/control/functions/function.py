@@ -65,8 +65,7 @@ class Function:
         Returns:
             Whether each angle is within ``room`` of the trajectory.
         """
-        planned = self.flexion[round(phase * (len(PHASE) - 1))]
-        return bool((np.abs(flexion - planned) <= self.room).all())
+        return bool((np.abs(flexion - self.flexion[round(phase * (len(PHASE) - 1))]) <= self.room).all())
 
     def expected(self, phase: float) -> Contacts:
         """Look up the contacts that the function expects.

@@ -70,8 +70,7 @@ def test_doubt_freezes_the_support_then_damps_then_stops_and_recovers():
 
 def test_contacts_that_a_function_does_not_expect_lead_to_the_safe_stop():
     machine = coordinator()
-    memory = machine.begin("rise", 0.5)
-    assert run(machine, memory, LEFT, 2.0).function == SAFE
+    assert run(machine, machine.begin("rise", 0.5), LEFT, 2.0).function == SAFE
 
 
 def test_a_lost_footing_is_damped_and_the_stop_ends_by_a_request_only():

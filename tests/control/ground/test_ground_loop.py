@@ -53,8 +53,7 @@ def test_torques_of_a_wearer_act_beside_those_of_the_machine_and_are_known(truth
     """The law does not know of the muscles: what they bear moves the machine against its gains."""
     loop, run = run_of(truth, reference, wearer=wearer)
     assert largest_error(loop, run) < largest
-    both = replace(run, tau=run.tau + run.interaction)
-    assert np.abs(residual(both)).max() < 1e-5
+    assert np.abs(residual(replace(run, tau=run.tau + run.interaction))).max() < 1e-5
     assert np.abs(run.interaction).max() > 0.3
 
 

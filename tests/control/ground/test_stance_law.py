@@ -60,6 +60,17 @@ def test_a_seat_that_is_left_bears_what_it_must_and_both_legs_bear_alike(machine
     assert loads[-1] == pytest.approx(0.0, abs=1e-6)
 
 
+def test_errors_of_the_posture_do_not_unload_a_foot_that_bears(machine):
+    """They would put all the load on one foot: the other could no longer be felt, and would leave the ground."""
+    law = stance(machine)
+    for seed in range(8):
+        state = state_of(seed, {"left_foot": "flat", "right_foot": "toe"})
+        wanted = 5.0 * (target_of(state, seed).q - state.q) + state.q
+        command = law.command(state, GroundTarget(wanted, state.v, pitch=0.1, pitch_rate=0.2))
+        assert command.feasible
+        assert min(force[1] for force in command.forces.values()) > 0.0999 * law.weight
+
+
 @pytest.mark.parametrize("contacts", [BOTH, {"left_foot": "flat"}, {"left_foot": "flat", "right_foot": "toe"}])
 def test_the_command_fulfils_the_equation_of_motion(machine, contacts):
     """M dν + h = (0, τ) + Σ Jᵀ f by the leg's own inverse dynamics and Jacobians, and a flat sole does not move."""

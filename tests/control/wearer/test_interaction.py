@@ -70,8 +70,7 @@ def test_the_sign_is_that_of_the_torque_on_the_leg(estimate, worn):
 def test_an_unworn_leg_is_not_called_worn(leg, estimate):
     for seed in range(30, 36):
         for factor in (1.0, 2.0):
-            recording = log(swing(leg, seed, base=0.15 * factor), seed=seed)
-            assert not exoid.interaction(estimate, recording).worn
+            assert not exoid.interaction(estimate, log(swing(leg, seed, base=0.15 * factor), seed=seed)).worn
 
 
 def test_a_torque_twice_as_large_as_the_smallest_that_the_test_notices_is_noticed(leg, estimate):
@@ -120,8 +119,7 @@ def test_drives_give_the_torque_of_the_actuators(estimate, leg, worn):
 def test_a_stated_payload_is_not_taken_for_a_wearer(leg, estimate):
     motion = swing(leg, 7)
     sand = Payload(leg.joint_names[1], 3.0, (0.0, 0.0, -0.3))
-    loaded = dataclasses.replace(motion, leg=with_payloads(leg, [sand]))
-    recording = log(loaded)
+    recording = log(dataclasses.replace(motion, leg=with_payloads(leg, [sand])))
     stated = exoid.interaction(estimate, dataclasses.replace(recording, payloads=(sand,)))
     assert not stated.worn
     forgotten = exoid.interaction(estimate, recording)
@@ -136,8 +134,7 @@ def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(es
     found = exoid.interaction(estimate, recording)
     assert recording.time[0] < found.time[0]
     assert found.time[-1] < recording.time[-1]
-    segments = recording.segments([(10.0, 15.0), (20.0, 30.0)])
-    part = exoid.interaction(estimate, segments)
+    part = exoid.interaction(estimate, recording.segments([(10.0, 15.0), (20.0, 30.0)]))
     assert ((part.time <= 15.0) | (part.time >= 20.0)).all()
     common = np.isin(np.round(found.time, 6), np.round(part.time[(part.time > 21.0) & (part.time < 29.0)], 6))
     inner = (part.time > 21.0) & (part.time < 29.0)
