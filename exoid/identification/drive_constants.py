@@ -84,7 +84,13 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
         if step.is_small:
             held.update(step.at_bounds)
         point = step.take()
-    _refuse_undetermined(step)
+    for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
+        if std > WEAKLY * value:
+            raise NotIdentifiableError(
+                f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings",
+                remedy=f"use a heavier payload or longer recordings: {ADVICE}",
+                command=f"use a heavier payload or longer recordings: {COMMAND}",
+            )
     settled = step.is_small and not step.at_bounds
     unsettled = () if settled else (f"{', '.join(names)} have not settled in {ROUNDS} rounds",)
     nonlinear = NonlinearParameters(
@@ -197,14 +203,3 @@ def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
         if any(name in error.what for name in names):
             error.remedy, error.command = ADVICE, COMMAND
         raise
-
-
-def _refuse_undetermined(step: _Step) -> None:
-    """Refuse constants that the recordings hardly determine."""
-    for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
-        if std > WEAKLY * value:
-            raise NotIdentifiableError(
-                f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings",
-                remedy=f"use a heavier payload or longer recordings: {ADVICE}",
-                command=f"use a heavier payload or longer recordings: {COMMAND}",
-            )

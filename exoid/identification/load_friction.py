@@ -56,7 +56,17 @@ def _start(given: Problem) -> FloatArray:
         values, moved = _solve(given, problem.r_factors, weights.tolist(), values)
         if moved <= SETTLED:
             break
-    _refuse_unloaded(given, problem.r_factors)
+    columns = np.sqrt(sum(t.R**2 for t in problem.r_factors)).max(axis=0)
+    loads = {name for block in given.single.model.blocks if block.term.loaded for name in block.names}
+    loads -= set(given.prior_knowledge.known)
+    # Columns of friction under load below this part of the torque count as zero
+    unloaded = [n for n, size in zip(given.names, columns, strict=False) if n in loads and size <= 1e-6 * columns[-1]]
+    if unloaded:
+        raise NotIdentifiableError(
+            f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
+            remedy="leave out LoadFriction at these joints",
+            parameters=tuple(unloaded),
+        )
     return values
 
 
@@ -74,18 +84,3 @@ def _solve(
     left = max(float(np.linalg.norm(R[count:, -1])), ROUNDING * float(np.linalg.norm(R[:, -1])))
     moved = R[:count, :count] @ (found - values)[free]
     return found, float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0
-
-
-def _refuse_unloaded(given: Problem, r_factors: Sequence[RFactor]) -> None:
-    """Refuse friction that depends on a rigid-body torque where there is none."""
-    columns = np.sqrt(sum(t.R**2 for t in r_factors)).max(axis=0)
-    loads = {name for block in given.single.model.blocks if block.term.loaded for name in block.names}
-    loads -= set(given.prior_knowledge.known)
-    # Columns of friction under load below this part of the torque count as zero
-    unloaded = [n for n, size in zip(given.names, columns, strict=False) if n in loads and size <= 1e-6 * columns[-1]]
-    if unloaded:
-        raise NotIdentifiableError(
-            f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
-            remedy="leave out LoadFriction at these joints",
-            parameters=tuple(unloaded),
-        )

@@ -212,7 +212,8 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     """Try other signs and orders of the torques of some groups where the fit is poor; else look for delays."""
     model = fitted.problem.groups[parts[0]].model
     # beside the fault of a single joint, which another sign may look like, signs were tried
-    named = any(one.kind in ("torque-scale", "angle-offset", "unmodelled-force") for one in fitted.findings)
+    faults = "torque-scale", "angle-offset", "unmodelled-force", "torque-offset", "known-torque"
+    named = any(one.kind in faults for one in fitted.findings)
     best = None if named else best_reading(fitted.problem, parts)
     if best is not None:
         text = f"{best.message}: the log fits by far better"

@@ -73,10 +73,6 @@ def test_an_estimate_prints_values_intervals_units_and_remarks():
     same("estimate.txt", str(hand_made()))
 
 
-def test_an_ill_conditioned_estimate_says_so():
-    same("estimate_ill_conditioned.txt", str(hand_made(1234.0)))
-
-
 def test_the_example_prints_as_in_the_readme(data):
     same("bleex_swing.txt", str(exoid.identify(data.leg, data.train)))
 

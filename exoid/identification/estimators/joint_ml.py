@@ -12,7 +12,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.regression.fit import wls
 from exoid.regression.problem import Fit
@@ -76,8 +75,18 @@ class JointML:
 
         Terms with memory or load, close knots, payloads and several groups are refused.
         """
-        group = problem.single
-        _refuse_what_it_lacks(group)
+        group, terms = problem.single, problem.single.model.terms
+        if type(group.model) is not TorqueModel or any(one.loaded or one.internal_state is not None for one in terms):
+            raise NotSupportedError("ml takes no friction that remembers or depends on load", remedy="use wls or huber")
+        for data in group.data:
+            lacks = "poses" if isinstance(data, Poses) else ", ".join(map(str, data.payloads))
+            if isinstance(data, Recording) and not lacks:
+                links = [link for link, wrench in data.wrenches.items() if wrench.columns.any()]
+                links += [link for link, contact in data.contacts.items() if contact.any() and link not in links]
+                lacks = f"what acts on {', '.join(links)}" if links else ""
+            if lacks:
+                what = f"ml fits motions of the leg in the air, without {lacks}"
+                raise NotSupportedError(what, where=data.file_name, remedy="use wls, huber or ols")
         first = wls(problem)
         model = smooth(group.model)
         preparation = ZeroPhase(choose_cutoff([for_leg(group.model, data) for data in group.motions]))
@@ -108,22 +117,6 @@ class JointML:
         warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
         name, uncertainty = f"ml(spacing={found.spacing:.4g})", found.uncertainty()._replace(noises=noises)
         return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)
-
-
-def _refuse_what_it_lacks(group: Group) -> None:
-    """Refuse terms whose torque does not follow from the motion of the moment alone, and what acts beside the leg."""
-    model = group.model
-    if type(model) is not TorqueModel or any(term.loaded or term.internal_state is not None for term in model.terms):
-        raise NotSupportedError("ml takes no friction that remembers or depends on load", remedy="use wls or huber")
-    for data in group.data:
-        lacks = "poses" if isinstance(data, Poses) else ", ".join(map(str, data.payloads))
-        if isinstance(data, Recording) and not lacks:
-            links = [link for link, wrench in data.wrenches.items() if wrench.columns.any()]
-            links += [link for link, contact in data.contacts.items() if contact.any() and link not in links]
-            lacks = f"what acts on {', '.join(links)}" if links else ""
-        if lacks:
-            what = f"ml fits motions of the leg in the air, without {lacks}"
-            raise NotSupportedError(what, where=data.file_name, remedy="use wls, huber or ols")
 
 
 def smooth(model: TorqueModel) -> TorqueModel:

@@ -251,6 +251,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     "play": _play,
     "ripple": _ripple,
     "arm": lambda at, k: {j: arm.shapes(at.motion.q[:, j])[k] * at.torque[j] for j, arm in at.of.arms.items()},
+    "constant": lambda at, _: np.ones_like(at.torque),
     "force": lambda at, other: [at.motion.q[:, other]] * len(at.torque),
     "force²": lambda at, _: at.motion.q.T**2,
     "sharpness": lambda at, _: at.sign(sharper=4.0),

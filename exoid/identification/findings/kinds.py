@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.torques import TorqueModel
+from exoid.torques import Offset, Stiffness, TorqueModel
 
 from .arms import ArmShapes
 from .columns import Column
@@ -149,6 +149,12 @@ KINDS = {
         "the residual of {joint} depends on the angles as the force of a strap, a cable or a spring does",
         "remove the strap or cable, or add the term stiffness",
     ),
+    "torque-offset": Kind(
+        None,
+        "the torque of {joint} reads {x:.3g} N·m too much at all times, which no term describes: the zero of its "
+        "sensor, or friction that differs between the directions",
+        "add the term offset, or set the zero of the sensor again",
+    ),
     "moment-arm": Kind(
         3e-4,
         "the moment arm of the actuator at {joint} has another shape than described: as if the {form} {displaced}",
@@ -197,6 +203,12 @@ FORMS = {
 """Form of friction that each column describes, and its unit."""
 
 
+def without_offset(model: TorqueModel) -> list[int]:
+    """Joints on which no term acts that describes a constant torque."""
+    biased = {joint for one in model.blocks if isinstance(one.term, (Offset, Stiffness)) for joint in one.joints}
+    return [joint for joint in range(len(model.joint_names)) if joint not in biased]
+
+
 class Library(NamedTuple):
     """Nuisance columns of a torque model, and the faults that combine them."""
 
@@ -209,7 +221,7 @@ class Library(NamedTuple):
 def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, sensed: bool) -> Library:
     """List the faults that are tested; of known torques, of payloads or sensors, where there are any."""
     names, planar = model.joint_names, model.leg.chain is not None
-    n = len(names)
+    n, unbiased = len(names), without_offset(model)
     few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
     columns: list[Column] = []
     faults: list[Nuisance] = []
@@ -234,6 +246,8 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
             faults.append(Nuisance("unmodelled-friction", joint, j, unit, add(kind, j), form=form))
         force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
         faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force))
+        if j in unbiased:
+            faults.append(Nuisance("torque-offset", joint, j, "N·m", add("constant", j)))
         if few and n > 1:
             mixed = add("cross-talk", j, *(k for k in range(n) if k != j))
             faults.append(Nuisance("cross-talk", joint, j, "1", mixed))

@@ -84,8 +84,13 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
         odd = {"": float(np.exp(np.mean(np.log(sizes))))}
     for joint, signed in odd.items():
         finding = _other_scale(joint, abs(signed), model.names)
-        if joint and finding.severity == "warning" and _coupled_misfit(checked, joint, abs(signed)) > -np.log(1.1):
-            finding = replace(finding, severity="info")
+        if joint and finding.severity == "warning":  # do relative residuals of all joints become smaller by that scale?
+            evidence, j = checked.evidence, model.joint_names.index(joint)
+            scaled = [R.copy() for R in evidence.factors]
+            scaled[j][:, -1] /= abs(signed)
+            plain, other = (one.weights(one.free) for one in (evidence, evidence._replace(factors=scaled)))
+            if float(np.log(plain / other).sum() + np.log(abs(signed))) > -np.log(1.1):
+                finding = replace(finding, severity="info")
         yield finding
 
 
@@ -116,15 +121,6 @@ def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
     return Finding("torque-scale", joint, size, "1", severity, message, remedy, parameters=names)
 
 
-def _coupled_misfit(checked: CheckedFit, joint: str, scale: float) -> float:
-    """Logarithm by which relative residuals of all joints grow if the torque of one is divided by a scale."""
-    evidence, j = checked.evidence, checked.fitted.model.joint_names.index(joint)
-    scaled = [R.copy() for R in evidence.factors]
-    scaled[j][:, -1] /= scale
-    plain, other = (one.weights(one.free) for one in (evidence, evidence._replace(factors=scaled)))
-    return float(np.log(plain / other).sum() + np.log(scale))
-
-
 def impossible_leg(
     leg: Leg, values: FloatArray, covariance: FloatArray, factors: Iterable[FloatArray]
 ) -> Iterator[Finding]:
@@ -135,7 +131,12 @@ def impossible_leg(
     if not reasons:
         return
     try:
-        apart = _wrong_side(leg, bodies, errors)
+        apart = 0.0  # standard deviations by which the centre of mass of a segment is on the wrong side of its joint
+        for start in range(rigid - 3 * len(leg.joint_names), rigid, 3) if leg.limbs else ():
+            place = slice(start, start + 2)
+            direction = leg.parameters[place]
+            std = float(np.sqrt(direction @ errors[place, place] @ direction))
+            apart = max(apart, -float(direction @ bodies[place]) / std if std > 0.0 else 0.0)
         links = leg.reduction.adjust(leg.link_parameters, bodies)
         if apart < IMPOSSIBLE and (margins(links) > 0.0).all():  # the leg's own links, changed a little, have them
             return
@@ -158,18 +159,6 @@ def impossible_leg(
     # but they make no mass of a whole machine, the first parameter of a floating base, negative
     severity: Severity = "error" if leg.base_rows and bodies[0] < -IMPOSSIBLE * np.sqrt(errors[0, 0]) else "warning"
     yield Finding("impossible-leg", "", apart, "1", severity, message, remedy, parameters=tuple(leg.parameter_names))
-
-
-def _wrong_side(leg: Leg, values: FloatArray, covariance: FloatArray) -> float:
-    """By how many standard deviations the centre of mass of a segment is on the wrong side of its joint."""
-    sizes = [0.0]
-    for start in range(len(values) - 3 * len(leg.joint_names), len(values), 3) if leg.limbs else ():
-        place = slice(start, start + 2)
-        direction = leg.parameters[place]
-        std = float(np.sqrt(direction @ covariance[place, place] @ direction))
-        if std > 0.0:
-            sizes.append(-float(direction @ values[place]) / std)
-    return max(sizes)
 
 
 def never_negative(model: TorqueModel) -> NDArray[np.bool_]:

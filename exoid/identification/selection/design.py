@@ -51,14 +51,6 @@ class Design(NamedTuple):
             gain=self.gain[rows],
         )
 
-    def unfaded(self) -> Design:
-        """Rows as they are compared: weighted means of the torques around them, up to the ends of segments."""
-        return self._replace(
-            tau=self.tau / self.gain,
-            base=self.base / self.gain[:, None],
-            friction=tuple(F / self.gain[:, None] for F in self.friction),
-        )
-
 
 def form_design(
     model: TorqueModel,

@@ -69,7 +69,10 @@ class HeldOut(NamedTuple):
 
 def held_out_errors(fitted: Design, recordings: Sequence[Recording], folds: int) -> HeldOut:
     """Predict each stretch of the recordings from the others, with the friction models of a design."""
-    compared = fitted.unfaded()
+    # weighted means of the torques around each row, up to the ends of segments
+    gain = fitted.gain[:, None]
+    friction = tuple(F / gain for F in fitted.friction)
+    compared = fitted._replace(tau=fitted.tau / fitted.gain, base=fitted.base / gain, friction=friction)
     each = [_residuals(blocks, fitted, compared) for blocks in blocked_folds(recordings, folds)]
     left, torque, moves = (np.hstack(rows) for rows in zip(*each, strict=True))
     # NRMSE of a fold is over the spread of the torque in the whole, so that calm folds do not count more.

@@ -11,6 +11,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.errors import UnreadableInputError
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.signals import BaseMotion
 
@@ -47,6 +48,17 @@ in its difference from the feet (variance), over all recordings.
 Of nine walkers of `study_stance.py --walkers` (seeds 20 to 33) with right places it explains 0.015 at most, with places
 7 cm off 0.095 at least. Feet that rock explain 0.5, but by a place 0.75 m away: the ground.
 """
+
+NEARER, PUSH = 0.3, 0.05
+"""Other axes of a sensor, or another foot, explain its readings where they leave less than the first part of what is
+left as logged (median); and what 1 m/s² counts as beside a turn [rad/s].
+
+Of walkers of seeds 20 to 34, healthy ones leave 1.0, turned sensors 0.02 to 0.1 and interchanged feet 0.03.
+"""
+
+PROPER = scipy.spatial.transform.Rotation.create_group("O").as_matrix().round()
+AXES = np.concatenate([PROPER, -PROPER])
+"""Axes that a sensor may have in those of the root link, right-handed ones first."""
 
 FEW = 3
 """From so many rests on, standard deviations follow from their differences, where these are larger."""
@@ -106,6 +118,51 @@ def imu_errors(
     if len(means) >= FEW:  # rests differ by more than white noise
         std = np.maximum(std, np.sqrt(spread / (1.0 / (shares @ shares) - 1.0)))
     return ImuErrors(gyro, force, std, turn=turns.mean(axis=0))
+
+
+def refuse_turned(
+    base: BaseMotion,
+    still: Mapping[str, StandingBase],
+    resting: Mapping[str, NDArray[np.bool_]],
+    rate: float,
+    file: str,
+) -> None:
+    """Refuse a sensor with other axes than the root link, and contacts of the wrong foot, if these explain all else."""
+    # Feet may roll, and sensors be biased: only what is far nearer for most of the time counts
+    each, weights = (base, *still.values()), np.repeat([1.0, PUSH], 3)
+    read, *told = (scipy.ndimage.gaussian_filter1d(one.columns * weights, 0.04 * rate, axis=0) for one in each)
+    dead = not np.ptp(base.angular_velocity, axis=0).any()
+    for link, said in zip(still, told, strict=True):
+        alone = resting[link] & ~np.any([flags for other, flags in resting.items() if other != link], axis=0)
+        rows = np.flatnonzero(alone if np.count_nonzero(alone) > LEAST * rate else resting[link])
+        if len(rows) < LEAST * rate:
+            continue
+        rows = rows[:: 1 + len(rows) // 2000]
+        limit = min(NEARER * _apart(read[rows], said[rows]), TURNING)
+        turned = [_apart(read[rows], (said[rows].reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)) for turn in AXES]
+        feet = {other: _apart(read[rows], x[rows]) for other, x in zip(still, told, strict=True)}
+        better = [other for other, x in feet.items() if x < limit and not resting[other][rows].any()]
+        if dead and said[rows, :3].std(axis=0).max() > TURNING / 3.0:
+            what = f"the gyroscope of the base reads the same at all samples, while the base turns on {link}"
+            remedy = "look at the connection of the sensor, or leave its columns out: feet then tell the motion"
+        elif min(turned) < limit:
+            best = AXES[int(np.argmin(turned))].T
+            axes = ", ".join(("-" if sum(x) < 0.0 else "") + "xyz"[int(np.argmax(np.abs(x)))] for x in best)
+            what = f"the base's sensor turns against {link}, which stands: x, y and z of the root link are its {axes}"
+            remedy = "give readings in the axes of the root link (rotation=, or other columns and signs)"
+        elif better:
+            what = f"the base moves as if {better[0]} stood, and the log says that {link} does"
+            remedy = "interchange the contacts of the feet, or the angles of the legs; or a switch is inverted"
+        else:
+            continue
+        raise UnreadableInputError(what, where=file, remedy=remedy)
+
+
+def _apart(read: FloatArray, said: FloatArray) -> float:
+    """How far readings of a sensor, whose gyroscope may be biased, are from others (median)."""
+    difference = read - said
+    difference[:, :3] -= np.median(difference[:, :3], axis=0)
+    return float(np.median(np.linalg.norm(difference, axis=1)))
 
 
 def turns_on_feet(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import Elimination, eliminate
-from .imu import CorrectedBase, ImuErrors, imu_errors, turns_on_feet
+from .imu import CorrectedBase, ImuErrors, imu_errors, refuse_turned, turns_on_feet
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import LOOK, Slip, sliding, slipping
 from .standing_base import level_rotation, standing_base, standing_reading
@@ -116,20 +117,22 @@ def split(
     recording, late = on_time(leg, recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
-    lasting = ~np.any([_changing(flags, round(EDGE * recording.sample_rate)) for flags in rest.values()], axis=0)
+    # so many samples before and after each touch-down and lift-off; the ends of a log are none
+    changes = np.any([np.diff(flags, prepend=flags[:1]) for flags in rest.values()], axis=0)
+    edge, around = (round(share * EDGE * recording.sample_rate) for share in (1.0, 0.5))
+    lasting = np.convolve(np.broadcast_to(changes, len(recording)), np.ones(2 * edge))[edge:][: len(recording)] < 0.5
     # A touch-down is a jolt, which the low-pass of the angles smears over so many samples on either side: both sides of
     # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
     # contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
-    landing = touch_downs(leg, rest, len(recording), round(SETTLING * recording.sample_rate))
-    near, steady = smeared / recording.sample_rate + SETTLING, ~scipy.ndimage.binary_dilation(landing, None, smeared)
+    settling, near = round(SETTLING * recording.sample_rate), smeared / recording.sample_rate + SETTLING
+    steady = ~scipy.ndimage.binary_dilation(touch_downs(leg, rest, len(recording), settling), None, smeared)
     beside = smeared + round(LATE * recording.sample_rate)
     longer = {link: scipy.ndimage.binary_dilation(x, iterations=beside) for link, x in (unknown | rest).items()}
     down = whole_feet(leg, longer)
     if leg.base_rows and recording.base is None:
         steady, near, down = lasting, EDGE, unknown | rest
     slow = slow_part(recording.q, recording.sample_rate, LOOK)
-    around = round(0.5 * EDGE * recording.sample_rate)
     still = ~slipping(leg, rest, slow, recording.time, around) if recording.contacts else np.ones_like(counted)
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
@@ -138,7 +141,10 @@ def split(
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
-    for together, where in _patterns({link: down[link] for link in (*unknown, *plates)}, len(recording)):
+    flags = np.column_stack([counted, *(down[link] for link in (*unknown, *plates))])
+    patterns, which = np.unique(flags, axis=0, return_inverse=True)
+    for k, pattern in enumerate(patterns):
+        together, where = tuple(compress((*unknown, *plates), pattern[1:])), which.ravel() == k
         links = tuple(link for link in together if link in unknown)
         inside = counted & usual & where
         usable = inside.copy()
@@ -186,14 +192,17 @@ def _stretch(
         base = standing_base(leg, recording, flat[0])
     if base is None and leg.base_rows and leg.description.root_link not in links:
         return None
-    if leg.base_rows and not links and not wrenches and base is not None:
+    if leg.base_rows and not links and base is not None:
         size = float(np.linalg.norm(base.specific_force[usable].mean(axis=0)))
-        if size > 0.5 * GRAVITY:
+        borne = sum(float(np.linalg.norm(wrench.force[usable].mean(axis=0))) for wrench in wrenches.values())
+        # The first parameter is the mass of the machine, which a URDF has wrong by a factor, but not by ten
+        if size > 0.5 * GRAVITY and borne < 0.1 * leg.parameters[0] * size:
             raise UnreadableInputError(
-                f"no contact and no wrench is there, and the accelerometer of the base reads {size:.3g} m/s²: it is "
-                "held",
+                f"no contact is there, wrenches of {borne:.3g} N bear hardly any weight, and the accelerometer of the "
+                f"base reads {size:.3g} m/s²: it is held",
                 where=recording.file_name,
-                remedy="say what holds it: a hook or a stand by a contact of its link, a load cell there by a wrench",
+                remedy="say what holds it: a foot, a hook or a stand by a contact of its link (is a switch inverted?), "
+                "a load cell there by a wrench",
             )
     return Stretch(links, (), replace(recording, mask=usable, base=base, wrenches=wrenches))
 
@@ -206,6 +215,7 @@ def _without_bias(
     if base is None or not leg.base_rows:
         return raw, imu, slip, np.zeros((4, 4))
     still, corrected = {link: standing_reading(leg, raw, link, base.position) for link in soles}, base
+    refuse_turned(base, still, soles, rate, raw.file_name)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(base, still, rests, rate) if tell and not base.calibrated else None
@@ -232,12 +242,6 @@ def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], ro
             command=f"say that {foot} rests on a point, --contact {foot}=point, or measure its force",
             joints=(rail,),
         )
-
-
-def _changing(flags: BoolArray, samples: int) -> BoolArray:
-    """So many samples before and after each touch-down and lift-off; the ends of a log are none."""
-    changes = np.diff(flags, prepend=flags[:1])
-    return np.asarray(np.convolve(changes, np.ones(2 * samples))[samples : samples + len(flags)] > 0.5)
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:
@@ -276,16 +280,3 @@ def contact_of(leg: Leg, link: str, wrench: Wrench) -> BoolArray | None:
     normal = wrench.force @ up
     low, high = np.quantile(normal, [0.02, 0.98])
     return contacts_from_wrench(wrench, up=up) if high > LEAST_LOAD and low < LIFT * high else None
-
-
-def _patterns(resting: Mapping[str, BoolArray], count: int) -> list[tuple[tuple[str, ...], BoolArray]]:
-    """Sets of links that rest at the same time, and the samples at which they do."""
-    if not resting:
-        return [((), np.ones(count, dtype=np.bool_))]
-    flags = np.column_stack(list(resting.values()))
-    patterns, which = np.unique(flags, axis=0, return_inverse=True)
-    names = list(resting)
-    return [
-        (tuple(name for name, rests in zip(names, pattern, strict=True) if rests), which.ravel() == k)
-        for k, pattern in enumerate(patterns)
-    ]

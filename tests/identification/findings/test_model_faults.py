@@ -56,6 +56,16 @@ def test_a_spring_is_an_unmodelled_force_unless_it_is_modelled():
     assert kinds(exoid.check(leg, pulled, terms)) == set()
 
 
+def test_a_constant_torque_is_named_unless_it_is_modelled():
+    """It was a strap or a spring, at two joints."""
+    leg, log = clean()
+    biased = with_column(log, "tau", 1, lambda x: x + 0.5)
+    (finding,) = exoid.check(leg, biased, (exoid.Coulomb(smoothing=0.015), exoid.Viscous()))
+    assert (finding.kind, finding.joint) == ("torque-offset", leg.joint_names[1])
+    assert finding.value == pytest.approx(0.5, abs=0.02)
+    assert kinds(exoid.check(leg, biased)) == set()
+
+
 FORMS = {
     "quadratic": lambda v, load: v * np.abs(v) / v.std() ** 2,
     "asymmetric": lambda v, load: np.abs(v) / v.std(),

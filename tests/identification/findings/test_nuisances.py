@@ -8,9 +8,7 @@ from logs import clean, late, of_kind
 from public_robots import urdf_of
 
 import exoid
-from exoid.identification.findings.sample import averaged
 from exoid.leg.dynamics import inverse_dynamics, inverse_dynamics_slopes
-from exoid.signals import FiniteDifference, ZeroPhase
 
 STEP = 1e-5
 
@@ -36,17 +34,6 @@ def ten_times_faster(log):
         return np.stack([np.interp(time, log.time, column) for column in x.T], axis=1)
 
     return dataclasses.replace(log, time=time, q=between(log.q), tau=between(log.tau))
-
-
-def test_a_fast_log_is_averaged_as_far_as_its_filter_allows():
-    _, log = clean()
-    fast = ten_times_faster(log)  # 1 kHz
-    short = averaged(fast, ZeroPhase(8.0))
-    assert short.sample_rate == pytest.approx(100.0, rel=1e-3)
-    np.testing.assert_allclose(short.q[10], fast.q[100:110].mean(axis=0))
-    assert averaged(fast, ZeroPhase(60.0)) is fast
-    assert averaged(fast, FiniteDifference()) is fast
-    assert averaged(log, ZeroPhase(8.0)) is log
 
 
 def test_a_delay_of_a_fast_log_is_found_to_a_millisecond():

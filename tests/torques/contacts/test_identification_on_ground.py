@@ -17,6 +17,7 @@ from exoid.torques.contacts.imu import CorrectedBase
 
 TERMS = (Coulomb(smoothing=0.05), Viscous())
 NOISE, ENCODER = 0.4, 1e-4
+KINDS = "torque-scale", "angle-offset", "unmodelled-force", "torque-offset"
 
 
 def friction(v):
@@ -131,21 +132,27 @@ def wrongly(log, link, value, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("joint", "size"), [(1, 1.15), (3, 0.9), (4, -0.04), (0, 0.04), (1, 40.0)])
-def test_a_fault_of_one_joint_is_named(exo, stance, joint, size):
+@pytest.mark.parametrize(
+    ("kind", "joint", "size"),
+    [
+        *(("torque-scale", 1, 1.15), ("torque-scale", 3, 0.9), ("angle-offset", 4, -0.04), ("angle-offset", 0, 0.04)),
+        *(("unmodelled-force", 1, 40.0), ("torque-offset", 0, 2.0), ("torque-offset", 4, -4.0)),
+    ],
+)
+def test_a_fault_of_one_joint_is_named(exo, stance, kind, joint, size):
     """A knee of 1.1 times its torque made its thigh too light in silence, and a wrong zero was a foot that rocks."""
-    kind = "unmodelled-force" if size > 2.0 else "torque-scale" if size > 0.5 else "angle-offset"  # N·m/rad, 1, rad
-    factor, zero, spring = np.array([[1.0] * 6, [0.0] * 6, [0.0] * 6])
-    {"torque-scale": factor, "angle-offset": zero, "unmodelled-force": spring}[kind][joint] = size
+    factor, zero, spring, offset = each = np.array([[1.0] * 6, *np.zeros((3, 6))])
+    each[KINDS.index(kind), joint] = size
     every = [log.recording for log in stance]
-    logs = [replace(one, tau=one.tau * factor + one.q * spring, q=one.q + zero) for one in every]
+    logs = [replace(one, tau=one.tau * factor + one.q * spring + offset, q=one.q + zero) for one in every]
     findings = exoid.identify(exo, logs, TERMS).findings
     assert not {"rocking-foot", "torque-sign"} & {one.kind for one in findings}
-    found = {one.joint: one for one in findings if one.kind in ("torque-scale", "angle-offset", "unmodelled-force")}
+    found = {one.joint: one for one in findings if one.kind in KINDS}
     one = found.pop(exo.joint_names[joint])
     assert {one.kind, *(other.kind for other in found.values())} == {kind}
     assert one.interval[0] - 0.005 * abs(size) < size < one.interval[1] + 0.005 * abs(size)
-    opposite = {"right_hip": -size} if joint == 0 else {}  # without an IMU, the other hip may be too little far
+    # without an IMU, the other hip may be too little far
+    opposite = {"right_hip": -size} if (kind, joint) == ("angle-offset", 0) else {}
     assert {name: other.value for name, other in found.items()} == pytest.approx(opposite, abs=0.005)
 
 
@@ -191,6 +198,29 @@ def test_a_sensor_that_is_elsewhere_is_named(exo, stance, height, severity):
     found = [one for one in exoid.check(exo, logs, terms=TERMS) if one.kind == "imu-position"]
     assert [one.severity for one in found] == [severity]
     assert found[0].value == pytest.approx(height, abs=0.005)
+
+
+RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
+AROUND = np.array([-1.0, -1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("turn", "rate", "contacts", "message"),
+    [
+        pytest.param(AROUND, 1.0, {}, "-x, -y, z", id="a sensor that is mounted the other way round"),
+        pytest.param(1.0, 0.0, {}, "the same at all samples", id="a gyroscope that is dead"),
+        pytest.param(1.0, 1.0, RIGHT, "as if left_foot stood", id="switches that are interchanged"),
+        pytest.param(1.0, 1.0, {"left_foot": RIGHT["left_foot"]}, "hardly any weight", id="a switch that is inverted"),
+    ],
+)
+def test_a_base_that_moves_otherwise_than_its_foot_is_refused(exo, stance, turn, rate, contacts, message):
+    """Before, torques had another sign or scale, or nothing was said."""
+    log = with_imu(stance[1], 0)
+    assert split(exo, log).stretches
+    base = replace(log.base, angular_velocity=rate * turn * log.base.angular_velocity)
+    base = replace(base, specific_force=turn * base.specific_force)
+    with pytest.raises(ExoidError, match=message):
+        split(exo, replace(log, base=base, contacts=contacts or log.contacts))
 
 
 def tipped(time):
@@ -373,6 +403,13 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     assert [round(each.value, 1) for each in found if each.kind == "torque-scale"] == [10.0]
     swapped = [replace(log.recording, tau=log.recording.tau[:, [0, 4, 2, 3, 1, 5]]) for log in stance]
     assert "joint-order" in {each.kind for each in exoid.check(exo, swapped, terms=TERMS)}
+    up, rng, plates = RIGHT["left_foot"], np.random.default_rng(0), []
+    for log, lifted in zip(stance, ({}, {"right_foot": up}, {"left_foot": up}), strict=True):
+        one = with_plates(log, rng)
+        larger = {link: replace(x, force=1.3 * x.force, moment=1.3 * x.moment) for link, x in one.wrenches.items()}
+        plates.append(replace(one, wrenches=larger, contacts={**one.contacts, **lifted}))
+    (found,) = (each for each in exoid.check(exo, plates, terms=TERMS) if each.severity != "info")
+    assert (found.kind, found.value) == ("known-torque", pytest.approx(1.0 / 1.3, rel=0.02))
     with pytest.raises(ExoidError, match="N·mm"):
         exoid.identify(exo, replace(both.recording, tau=1e3 * both.recording.tau), TERMS)
 
