@@ -29,7 +29,7 @@ SIZES = {
     "angle-offset": (np.deg2rad(0.5), 0.1, "rad", 4.0),
     "unmodelled-force": (1.0, 100.0, "N·m/rad", 4.0),
     "torque-offset": (1.0, 100.0, "N·m", 3.0),
-    "known-torque": (0.02, 1.0, "1", 4.0),
+    "known-torque": (0.02, 10.0, "1", 4.0),
 }
 """Step at which effects are computed, standard deviation before any log is seen, and unit of the size s of each kind,
 and how many standard deviations of correlated noise it is from zero at least. Healthy walkers (seeds 20 to 34, with and

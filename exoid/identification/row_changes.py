@@ -216,7 +216,7 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     named = any(one.kind in faults for one in fitted.findings)
     best = None if named else best_reading(fitted.problem, parts)
     if best is not None:
-        text = f"{best.message}: the log fits by far better"
+        text = f"{best.message}: the log fits by far better; interchanged feet, or angles, may look alike"
         yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=model.names)
         return
     kind = KINDS["torque-delay"]

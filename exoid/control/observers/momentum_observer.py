@@ -54,9 +54,9 @@ class MomentumObserver:
 
     Attributes:
         source: Model: an estimate, whose covariance gives a band, a leg, a plant of one rig or a control model.
-        bandwidth: −3 dB frequency from the torque of the wearer to the reading, without the channels' low-pass
-            [Hz].
-        rate: Sampling rate [Hz].
+        bandwidth: −3 dB frequency from the wearer's torque to the reading, without the channels' low-pass [Hz].
+        rate: Sampling rate [Hz]. :meth:`run` compares it with time stamps; :meth:`step` has none, and reads wrongly at
+            another one.
         cutoff: Cut-off of the low-pass of all channels [Hz]; inf for none, where velocities are measured. None for the
             bandwidth or 20 Hz, the larger, at most a fifth of the rate.
         noise: Noise of the sensors. None if it is unknown: :meth:`run` then measures it in the log, and :meth:`step`
