@@ -88,8 +88,7 @@ def test_a_motor_that_moves_one_joint_alone_has_the_terms_of_that_joint() -> Non
 
 def test_reversals_of_a_motor_are_those_of_its_velocity() -> None:
     v = np.column_stack([np.ones(100), np.linspace(-2.0, 2.0, 100)])
-    friction = CouplingFriction(joints=("hip", "knee"), ratios=(1.0, 1.0), reversal_speed=0.1)
-    slow = friction.reversing(v)
+    slow = CouplingFriction(joints=("hip", "knee"), ratios=(1.0, 1.0), reversal_speed=0.1).reversing(v)
     assert slow is not None
     of_motor = np.abs(v.sum(axis=1))
     assert slow[of_motor <= 0.05].all()

@@ -154,8 +154,7 @@ def test_a_current_of_the_other_sign_is_refused():
     wrong = [replace(one, current=-one.current) for one in logs]
     with pytest.raises(ExoidError, match=r"kt_hip, kt_knee would be negative: current and torque have opposite signs"):
         identify(LEG, wrong, TERMS, actuators=motors())
-    found = identify(LEG, wrong, TERMS, actuators=motors(ratio=-RATIO))
-    check_against(found, TRUTH, 0.02)
+    check_against(identify(LEG, wrong, TERMS, actuators=motors(ratio=-RATIO)), TRUTH, 0.02)
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,7 @@ def test_power_balance_in_both_directions(ratio: float, efficiency: float, back:
     """Driving, the joint receives η of the motor's power; driven back, the motor receives η_back of the joint's."""
     motor = Motor(0.07, ratio=ratio, efficiency=efficiency, back_efficiency=back)
     current, v = 4.0 * RNG.normal(size=200), RNG.choice([-1.0, 1.0], 200) * RNG.uniform(0.5, 2.0, 200)
-    torque = motor.torque(current, np.zeros(200), v)
-    at_motor, at_joint = 0.07 * current * ratio * v, torque * v
+    at_motor, at_joint = 0.07 * current * ratio * v, motor.torque(current, np.zeros(200), v) * v
     driving = at_joint > 0.0
     assert 0 < np.count_nonzero(driving) < len(driving)
     np.testing.assert_allclose(at_joint[driving], efficiency * at_motor[driving], rtol=1e-12)

@@ -39,8 +39,7 @@ def log(run, drives):
 @pytest.mark.nightly
 def test_parameters_from_forces_are_as_exact_as_from_torques() -> None:
     """At most 1.2 times the error, with load cells that have noise of their own."""
-    run = STUDY["bleex_run"](200 if FULL else 16)
-    _, from_torque, from_force = STUDY["cylinder_errors"](run)
+    _, from_torque, from_force = STUDY["cylinder_errors"](STUDY["bleex_run"](200 if FULL else 16))
     ratio = np.sqrt(np.mean(from_force**2, axis=0) / np.mean(from_torque**2, axis=0))
     assert np.exp(np.mean(np.log(ratio))) < 1.2
     if FULL:
@@ -51,8 +50,7 @@ def test_parameters_from_forces_are_as_exact_as_from_torques() -> None:
     "off", [("left_hip", "second", "x"), ("left_knee", "second", "z"), ("left_ankle", "second", "z")]
 )
 def test_an_attachment_point_that_is_off_by_ten_millimetres_is_found(run, drives, log, off) -> None:
-    leg = run.plant.leg
-    found = exoid.check(leg, log, actuators=STUDY["displaced"](drives, *off))
+    found = exoid.check(run.plant.leg, log, actuators=STUDY["displaced"](drives, *off))
     (arm,) = (f for f in found if f.kind == "moment-arm")
     assert arm.joint == off[0]
     assert arm.unit == "m"
@@ -67,8 +65,7 @@ def test_a_coupled_wrist_is_identified_from_motor_torques() -> None:
         run = STUDY["wrist_run"](seed, duration=120.0 if FULL else 40.0)
         leg = run.plant.leg
         drives = Actuators.of(leg, {"wrist": STUDY["DIFFERENTIAL"]})
-        log = STUDY["wrist_log"](run, drives)
-        estimate = exoid.identify(leg, log, check=False, actuators=drives)
+        estimate = exoid.identify(leg, STUDY["wrist_log"](run, drives), check=False, actuators=drives)
         truth = STUDY["wrist_truth"](estimate.model)
         asked = [k for k, name in enumerate(estimate.names) if not name.startswith("offset")]
         limits.append(np.abs(estimate.values - truth)[asked] / np.abs(truth[asked]))

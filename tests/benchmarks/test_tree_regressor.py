@@ -143,7 +143,6 @@ def test_the_batched_regressor_is_faster_than_loops_over_pinocchios(case):
 
 
 def test_the_batched_regressor_needs_little_memory_beyond_its_output(case):
-    robot = MAKERS[case[0]](MANY)
-    W, peak = with_memory(robot.batched)
+    W, peak = with_memory(MAKERS[case[0]](MANY).batched)
     print(f"\n{(peak - W.nbytes) / 1e6:.1f} MB beyond the output of {W.nbytes / 1e6:.0f} MB")
     assert peak - W.nbytes <= EXTRA_MEMORY

@@ -95,8 +95,7 @@ def test_many_rigs_at_once_do_what_each_does_alone():
 
 def test_controllers_are_compared_on_a_leg_in_space():
     """One by one: its runs are those of each controller alone."""
-    arm = Arm("ur5").leg
-    plant, hold = Plant.build(arm, end_stops=False), Hold(np.full((6, 1), 0.1))
+    plant, hold = Plant.build(Arm("ur5").leg, end_stops=False), Hold(np.full((6, 1), 0.1))
     laws = {"soft": pd(5.0, 0.2, rate=500.0), "stiff": pd(20.0, 0.5, rate=500.0)}
     runs = compare_laws(plant, laws, hold, 0.2, start=np.full(6, 0.12))
     for name, law in laws.items():

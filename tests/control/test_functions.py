@@ -47,8 +47,7 @@ def test_a_foot_that_bears_stays_where_it_is(body, name):
     function = FUNCTIONS[name](body)
     places = soles(body, function)
     for k, side in enumerate(SIDES):
-        down = np.array([side in function.expected(p) for p in PHASE])
-        rows = np.flatnonzero(down)
+        rows = np.flatnonzero(np.array([side in function.expected(p) for p in PHASE]))
         for run in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
             if len(run) < 3:  # the last phase is the first one of the next cycle
                 continue

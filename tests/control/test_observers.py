@@ -226,13 +226,11 @@ def test_standard_deviation_is_that_of_readings_where_nobody_is(tachometer):
 @pytest.mark.slow
 def test_band_of_the_parameters_is_the_spread_of_readings_with_other_parameters(estimate):
     """Readings of an exact log with parameters drawn from the estimate's covariance."""
-    log = WornLog(BLEEX, 1.5, seed=8, size=0.0, noise=0.0, tachometer=0.0)
-    recording = log.recording()
+    recording = WornLog(BLEEX, 1.5, seed=8, size=0.0, noise=0.0, tachometer=0.0).recording()
     settings = {"cutoff": np.inf, "width": TERMS[0].smoothing, "noise": SensorNoise(0.0)}
     wide = dataclasses.replace(estimate, covariance=100.0 * estimate.covariance, model_error=None)
     exact = MomentumObserver(dataclasses.replace(wide, residual_rms=np.zeros(3)), 10.0, 1000.0, **settings)
-    rng = np.random.default_rng(0)
-    draws = rng.multivariate_normal(estimate.values, wide.covariance, 200)
+    draws = np.random.default_rng(0).multivariate_normal(estimate.values, wide.covariance, 200)
     readings = np.array(
         [
             MomentumObserver(ControlModel.of_parameters(estimate.model, values), 10.0, 1000.0, **settings)
@@ -250,8 +248,7 @@ def test_noise_crosses_the_threshold_as_often_as_asked(pole):
     rng = np.random.default_rng(0)
     samples, rate = 2_000_000, 1000.0
     noise = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], rng.standard_normal(samples))
-    level = threshold(30.0, pole, rate)
-    above = np.abs(noise) > level
+    above = np.abs(noise) > threshold(30.0, pole, rate)
     alarms = np.count_nonzero(above[1:] & ~above[:-1])
     assert alarms / (samples / rate / 60.0) == pytest.approx(30.0, rel=0.12)
 
@@ -290,8 +287,7 @@ def test_ten_minutes_without_wearer_raise_no_alarm():
 
 
 def test_a_push_is_detected_within_a_few_delays(estimate):
-    log = WornLog(BLEEX, 4.0, seed=9, size=0.0)
-    recording = log.recording()
+    recording = WornLog(BLEEX, 4.0, seed=9, size=0.0).recording()
     tau = recording.tau.copy()
     tau[2500:, 0] -= 10.0
     pushed = dataclasses.replace(recording, tau=tau)

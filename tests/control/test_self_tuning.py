@@ -71,8 +71,7 @@ def test_wild_torques_leave_the_parameters_within_their_bounds(monkeypatch):
     """A drive that makes ten times the torque requested: no parameter leaves its bound, and M(q) stays positive."""
     monkeypatch.setattr(sys.modules[SelfTuning.__module__], "BOUND", 0.5)
     law = self_tuning(exact_estimate(), KP, KD)
-    wild = cuhk_plant(J1=30.0, J2=9.0, X2=12.0, Y2=5.0, c0_knee=40.0)
-    seen = fed(law, 3.0, wild)
+    seen = fed(law, 3.0, cuhk_plant(J1=30.0, J2=9.0, X2=12.0, Y2=5.0, c0_knee=40.0))
     aimed, moved = (np.abs(x - law.source.values) / law._known.std for x in (seen[-1].aim, seen[-1].values))
     assert aimed.max() == pytest.approx(0.5)
     assert moved.max() <= 0.5 + 1e-9

@@ -59,8 +59,7 @@ def test_torque_and_its_change_stay_within_their_limits(limits, last, torque):
 def test_limits_act_on_a_law_with_memory_throughout_a_run():
     law = Limited(PI(), limit=2.0, slew=50.0)
     memory = law.begin(REST)
-    state = REST._replace(last=np.array([1.9, -0.1]))
-    torque, memory = law.step(memory, state, AIM)
+    torque, memory = law.step(memory, REST._replace(last=np.array([1.9, -0.1])), AIM)
     np.testing.assert_allclose(torque, [2.0, -0.6])  # 6 and −4 N·m wanted
     np.testing.assert_allclose(memory.total, AIM.q / 100.0)
     run = simulate_law(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)

@@ -72,8 +72,7 @@ def test_equal_limbs_share_parameters_and_are_more_certain():
 def test_equal_limbs_are_said_to_differ_as_rarely_as_stated():
     leg, alone = estimate()
     rng, C = np.random.default_rng(1), alone.covariance
-    truth = np.concatenate([leg.parameters, np.repeat([0.3, 0.2], 12)])
-    drawn = rng.multivariate_normal(truth, C, 300)
+    drawn = rng.multivariate_normal(np.concatenate([leg.parameters, np.repeat([0.3, 0.2], 12)]), C, 300)
     different = [len(set(kinds(share_alike(replace(alone, values=each), LIMBS)).values())) > 1 for each in drawn]
     assert sum(different) <= 9  # 1 % of 300, and three standard deviations
 

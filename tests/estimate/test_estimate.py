@@ -106,8 +106,7 @@ def test_the_identified_leg_is_the_rigid_part_of_the_torque(estimate, swing):
     """est.torque less the columns of the terms is Pinocchio's RNEA of est.leg."""
     q, v, a = swing.motion
     count = len(estimate.leg.parameter_names)
-    W = estimate.model.regressor(q, v, a)
-    rest = W[..., count:] @ estimate.values[count:]
+    rest = estimate.model.regressor(q, v, a)[..., count:] @ estimate.values[count:]
     rigid = estimate.torque(q, v, a) - rest
     np.testing.assert_allclose(estimate.leg.inverse_dynamics(q, v, a), rigid, atol=1e-10)
     np.testing.assert_allclose(estimate.leg.parameters, estimate.values[:count], rtol=1e-12)

@@ -49,9 +49,9 @@ Of nine walkers of `study_stance.py --walkers` (seeds 20 to 33) with right place
 7 cm off 0.095 at least. Feet that rock explain 0.5, but by a place 0.75 m away: the ground.
 """
 
-NEARER, PUSH = 0.3, 0.05
+NEARER, PUSH, LEANS = 0.3, 0.05, 0.06
 """Other axes of a sensor, or another foot, explain its readings where they leave less than the first part of what is
-left as logged (median); and what 1 m/s² counts as beside a turn [rad/s].
+left as logged (median); what 1 m/s² counts as beside a turn [rad/s]; and what a lean of 7° explains as well [rad/s].
 
 Of walkers of seeds 20 to 34, healthy ones leave 1.0, turned sensors 0.02 to 0.1 and interchanged feet 0.03.
 """
@@ -138,7 +138,7 @@ def refuse_turned(
         if len(rows) < LEAST * rate:
             continue
         rows = rows[:: 1 + len(rows) // 2000]
-        limit = min(NEARER * _apart(read[rows], said[rows]), TURNING)
+        limit = min(NEARER * apart, TURNING) if (apart := _apart(read[rows], said[rows])) > LEANS else 0.0
         turned = [_apart(read[rows], (said[rows].reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)) for turn in AXES]
         feet = {other: _apart(read[rows], x[rows]) for other, x in zip(still, told, strict=True)}
         better = [other for other, x in feet.items() if x < limit and not resting[other][rows].any()]

@@ -98,8 +98,7 @@ def test_an_estimate_with_errors_cannot_tell_that_nothing_acts(estimate, unworn)
 
 
 def test_another_leg(leg, estimate):
-    heavy = leg.with_parameters(1.3 * leg.parameters)
-    found = exoid.interaction(estimate, log(swing(heavy, 7)))
+    found = exoid.interaction(estimate, log(swing(leg.with_parameters(1.3 * leg.parameters), 7)))
     (finding,) = of_kind(found, "body-like-interaction")
     assert finding.value > 0.9
     assert "more torque" in finding.message
@@ -114,8 +113,7 @@ def test_a_joint_whose_friction_was_not_trained_is_not_tested(leg, unworn):
     training = log(swing(leg, 1))
     tau = training.tau.copy()
     tau[:, 2] = np.nan
-    estimate = exoid.identify(leg, dataclasses.replace(training, tau=tau))
-    found = exoid.interaction(estimate, unworn)
+    found = exoid.interaction(exoid.identify(leg, dataclasses.replace(training, tau=tau)), unworn)
     assert np.isnan(found.actions[2].p_value)
     assert "not tested" in str(found)
     assert not found.worn

@@ -1,6 +1,7 @@
 """``exoid wear``: what a wearer feels of a leg that is off, and with CAD, identified and true model."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from exoid import ExoidError, published, reproduce
 from exoid.cli import app
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.lab.reproduce import wear_models
-from exoid.lab.reproduce.wear_study import _inertia_and_friction
+from exoid.lab.reproduce.wear_study import _inertia_and_friction, _refuse_unstable
+from exoid.lab.stability import largest_amplification
 from exoid.rig import Plant
 
 
@@ -90,3 +92,10 @@ def _short_cuhk():
 def test_what_makes_no_sense_is_refused_before_anything_runs(given, what):
     with pytest.raises(ExoidError, match=what):
         reproduce.wear(**({"source": "bleex"} | given))
+
+
+def test_a_model_that_is_unstable_without_amplification_is_refused_by_name():
+    leg = exoid.load_leg("cuhk")
+    found = largest_amplification(leg, truth=leg, poses=[0.2, 0.7])
+    with pytest.raises(ExoidError, match="with the cad model the worn leg is unstable"):
+        _refuse_unstable({"identified": found, "cad": replace(found, values=np.zeros(1))})

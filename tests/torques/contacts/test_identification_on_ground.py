@@ -223,6 +223,16 @@ def test_a_base_that_moves_otherwise_than_its_foot_is_refused(exo, stance, turn,
         split(exo, replace(log, base=base, contacts=contacts or log.contacts))
 
 
+@pytest.mark.parametrize("pitch", [-1.0, -1.5, -2.0])
+def test_a_sensor_that_leans_on_a_torso_at_rest_is_not_refused(exo, stance, pitch):
+    """Turned about the vertical it would read nearly the same: it is off by 3°, and the torso by half of that."""
+    log, leans, rng = with_imu(stance[1], 0), -np.deg2rad(pitch + 3.0), np.random.default_rng(0)
+    q = np.tile([np.deg2rad(pitch) + 0.3, -0.6, 0.3], (len(log.time), 2)) + 1e-5 * rng.standard_normal(log.q.shape)
+    force = 9.81 * np.array([np.sin(leans), 0.0, np.cos(leans)]) + 0.02 * rng.standard_normal((len(q), 3))
+    base = replace(log.base, angular_velocity=0.002 * rng.standard_normal((len(q), 3)), specific_force=force)
+    assert split(exo, replace(log, q=q, v=None, base=base)).stretches
+
+
 def tipped(time):
     """Flat for most of the time, and on the toe or the heel by 20 mrad for a second each."""
     onto = [np.tanh((time - at) / 0.1) - np.tanh((time - at - 1.0) / 0.1) for at in (2.0, 5.0, 8.0)]
