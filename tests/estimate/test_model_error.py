@@ -134,8 +134,7 @@ def test_it_survives_saving_to_the_last_bit(leg, estimates, tmp_path):
 
 
 def test_without_checks_there_is_none_and_bands_are_those_of_parameters_and_noise(leg):
-    recording = log(leg, "stribeck", SLOW, 1)
-    estimate = exoid.identify(leg, recording, check=False)
+    estimate = exoid.identify(leg, log(leg, "stribeck", SLOW, 1), check=False)
     assert estimate.model_error is None
     band = estimate.torque_band(*Swing(leg, seconds=5.0).motion)
     assert (band.upper - band.torque >= 1.96 * estimate.residual_rms).all()

@@ -68,8 +68,7 @@ def test_rotors_and_friction_stand_at_the_joints_and_not_in_a_urdf(tmp_path):
 
 def test_a_simulated_joint_sticks_until_its_coulomb_friction_is_exceeded(tmp_path):
     """Motors of the joints drive it: below the friction it hardly moves, above it does."""
-    leg = exoid.load_leg("cuhk", "right")
-    estimate_of(leg, (Coulomb(),), c0=5.0).to_mjcf(tmp_path / "leg.xml")
+    estimate_of(exoid.load_leg("cuhk", "right"), (Coulomb(),), c0=5.0).to_mjcf(tmp_path / "leg.xml")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "leg.xml"))
     model.opt.gravity[:] = 0.0
     moved = []

@@ -78,8 +78,7 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
     Its constraint on friction is another law than tanh, so it is switched off and added by hand.
     """
     estimate = estimate_of(leg, (*FRICTION, Armature()), rigid=near(leg, 0.1))
-    export = estimate.to_urdf(tmp_path / "leg.urdf")
-    model = mujoco_model(export.urdf)
+    model = mujoco_model(estimate.to_urdf(tmp_path / "leg.urdf").urdf)
     for joint, label in zip(leg.joint_names, leg.joint_labels, strict=True):
         if f"Ia_{label}" in estimate:  # that of the hip is part of J1
             model.dof_armature[model.joint(joint).dofadr] = estimate.value(f"Ia_{label}")
@@ -182,8 +181,7 @@ def test_all_else_stays_as_it_was(leg, tmp_path):
 def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
     """A joint without <dynamics>, read back by a library of its own."""
     leg = exoid.load_leg("bleex")
-    bare = leg.description.text
-    root = etree.fromstring(bare.encode())
+    root = etree.fromstring(leg.description.text.encode())
     for dynamics in root.findall("joint/dynamics"):
         dynamics.getparent().remove(dynamics)
     leg = Leg.from_description(describe(etree.tostring(root, encoding="unicode"), "bare.urdf"), leg.joint_names)

@@ -160,8 +160,7 @@ def test_a_leg_is_judged_on_what_measured_forces_leave(data, estimate):
 
 def test_a_band_as_wide_as_the_torque_is_no_prediction(data, estimate):
     """Parameters that hardly anything determines: every torque is inside, and nothing is said."""
-    vague = replace(estimate, covariance=2000.0 * estimate.covariance)
-    found = exoid.validate(vague, data.test)
+    found = exoid.validate(replace(estimate, covariance=2000.0 * estimate.covariance), data.test)
     assert (found.coverage == 1.0).any()
     assert {kind for kind, _ in kinds(found)} == {"wide-band"}
     assert found.verdict == "predicts poorly"

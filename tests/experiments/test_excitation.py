@@ -57,8 +57,7 @@ def test_the_gradient_is_that_of_finite_differences(leg, terms, pitches, stage):
 
 def test_every_limit_is_penalised():
     """A motion that is too large exceeds all four, and none when it stands still in a harmless pose."""
-    limits = MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0)
-    cost = objective(BLEEX, limits=limits)
+    cost = objective(BLEEX, limits=MotionLimits.of(BLEEX, velocity=1.0, acceleration=3.0, torque=30.0))
     x = np.random.default_rng(0).standard_normal(cost.shape)[0]
     assert (cost.excesses_of(0, cost.basis.states(x)) > 0.0).all()
     still = np.zeros_like(x)

@@ -50,8 +50,7 @@ def test_a_fit_finds_the_series_that_made_the_samples():
     """At uneven times, out of order, over several periods."""
     rng = np.random.default_rng(0)
     time = rng.uniform(0.0, 5.0, 60)
-    q = np.array([GAIT.at(t).q[:, 0] for t in time])
-    found = fit_harmonics(time, q, 1.0, 6)
+    found = fit_harmonics(time, np.array([GAIT.at(t).q[:, 0] for t in time]), 1.0, 6)
     for t in rng.uniform(-1.0, 9.0, 10):
         for ours, true in zip(found.at(t), GAIT.at(t), strict=True):
             np.testing.assert_allclose(ours, true, rtol=1e-9, atol=1e-9)

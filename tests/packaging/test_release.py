@@ -2,6 +2,7 @@
 
 import json
 import re
+import runpy
 import sys
 from pathlib import Path
 
@@ -89,3 +90,16 @@ def test_the_classifiers_name_the_versions_of_python_that_are_tested(project):
     named = [each.rpartition(" ")[2] for each in project["classifiers"] if re.search(r":: 3\.\d+$", each)]
     assert named == ["3.10", "3.11", "3.12", "3.13"]
     assert project["requires-python"] == f">={named[0]}"
+
+
+def test_the_index_page_turns_relative_links_into_text():
+    pytest.importorskip("hatchling")
+    readme = (
+        "# exoid\n\n![a leg](docs/images/leg.png)\n\nYou need Python, pip and a copy of this repository, "
+        "[logs](docs/logs.md#units),\n[docs/limits.md](docs/limits.md), [pin](https://example.org/a(b))\n"
+    )
+    shown = runpy.run_path(str(ROOT / "hatch_build.py"))["index_page"](readme, "9.9")
+    assert "exoid==9.9" in shown
+    assert "leg.png" not in shown
+    assert "logs (`docs/logs.md`),\n`docs/limits.md`, [pin](https://example.org/a(b))" in shown
+    assert "Python and pip" in shown

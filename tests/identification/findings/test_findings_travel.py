@@ -72,8 +72,7 @@ def test_a_faster_motion_than_that_of_the_training_is_an_extrapolation():
     leg, log = clean()
     estimate = exoid.identify(leg, log)
     assert exoid.validate(estimate, log).findings == ()
-    fast = dataclasses.replace(log, time=log.time / 1.5)
-    found = exoid.validate(estimate, fast).findings
+    found = exoid.validate(estimate, dataclasses.replace(log, time=log.time / 1.5)).findings
     assert {finding.kind for finding in found} >= {"extrapolation"}
     speeds = [f.value for f in found if f.kind == "extrapolation" and "speed" in f.message]
     assert speeds == pytest.approx([1.5] * 3, rel=0.1)

@@ -36,8 +36,7 @@ def test_copies_of_a_file_count_once_in_memory_and_on_disk(tmp_path, read):
 
 def test_in_groups_a_log_counts_once_in_its_group():
     leg, log = clean()
-    other = clean(seed=2)[1]
-    found = exoid.identify(leg, {"monday": [log, log], "tuesday": other}, own="offset")
+    found = exoid.identify(leg, {"monday": [log, log], "tuesday": clean(seed=2)[1]}, own="offset")
     assert kinds(found["monday"].findings) == {"repeated-data"}
     assert found["tuesday"].findings == ()
 
