@@ -170,8 +170,7 @@ def replay_law(
         v = np.array([followed.at(float(t)).v[:, 0] for t in times])
     aims = followed if reference is None else reference
     assert aims is not None
-    unknown = np.full_like(q, np.nan)
-    recorded = unknown if recording.tau is None else _sampled(recording.tau, elapsed, times)
+    recorded = np.full_like(q, np.nan) if recording.tau is None else _sampled(recording.tau, elapsed, times)
     limits = (law.limit, law.slew) if isinstance(law, Limited) else (np.inf, np.inf)
     limit, slew = (np.broadcast_to(np.asarray(x, dtype=np.float64), (recording.n_joints,)) for x in limits)
     label = name_of(law) if name is None else name

@@ -44,8 +44,8 @@ BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
 """Time for which the accelerometer tells a velocity [s], that of a sole at rest [m/s], and slips that count [m]."""
 # From the first the ground is slippery, and a seat is not left; from the second the footing is lost.
 
-CAUTION = 0.7
-"""Share of the ratio of forces at which a sole slips that the law may use then."""
+SLIPPERY, STEEPER, CAUTION = 0.08, 1.5, 0.7
+"""Least ratio of forces at which a sole slips, alone and over the slope of the ground, and its share for the law."""
 
 
 @dataclass(eq=False)
@@ -271,9 +271,10 @@ class CoordinatedLoop(LawLoop):
             force = (forward + 1j * up) * np.exp(1j * (angle + model.turns[link] @ reading.q))
             wanted = forces[link][1] if link in forces else 0.0
             beside += abs(force.imag - wanted) / self.law.weight if forces else 0.0
-            if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS:
-                ratio = CAUTION * max(abs(force.real) / max(force.imag, 1.0), 0.05)
-                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(ratio)))
+            ratio, least = abs(force.real) / max(force.imag, 1.0), max(SLIPPERY, STEEPER * abs(np.tan(self.lean)))
+            # a sole that is set down slides a little, with a force that any ground bears
+            if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS and ratio > least:
+                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(CAUTION * ratio)))
         self._beside += dt / AGREES * (beside - self._beside)
 
     def _lost(self, reading: GroundReading) -> bool:
