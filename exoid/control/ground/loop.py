@@ -272,7 +272,7 @@ class CoordinatedLoop(LawLoop):
             wanted = forces[link][1] if link in forces else 0.0
             beside += abs(force.imag - wanted) / self.law.weight if forces else 0.0
             ratio, least = abs(force.real) / max(force.imag, 1.0), max(SLIPPERY, STEEPER * abs(np.tan(self.lean)))
-            # a sole that is set down slides a little, with a force that any ground bears
+            # a sole that is set down seems to slide a little, with a force that any ground bears
             if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS and ratio > least:
                 self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(CAUTION * ratio)))
         self._beside += dt / AGREES * (beside - self._beside)
