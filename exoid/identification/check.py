@@ -59,8 +59,7 @@ def check(
         found = identify(leg, data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators)
     except ExoidError as error:
         # what is wrong with the drives is no finding of the log, and raises here
-        knowledge = PriorKnowledge(known or {})
-        (group,) = begin(leg, data, terms, wls, knowledge, actuators=actuators).groups
+        (group,) = begin(leg, data, terms, wls, PriorKnowledge(known or {}), actuators=actuators).groups
         names = group.model.names
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=names)
         return ordered((*signal_findings(group.model, group.data), refused))

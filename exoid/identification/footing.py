@@ -69,8 +69,7 @@ class Footing(NamedTuple):
         """Bias of the inertial measurement unit, with zeros for what the motion does not show."""
         part = self.part(BIAS)
         bias, spread = self.found.values[part] @ self.sensor, self.found.spread[part, part]
-        std = np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor))
-        return ImuErrors(bias[:3], bias[3:], std)
+        return ImuErrors(bias[:3], bias[3:], np.sqrt(np.diag(self.sensor.T @ spread @ self.sensor)))
 
     @property
     def pivots(self) -> dict[str, FloatArray]:

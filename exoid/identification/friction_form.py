@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.model_error import COUNT, KINDS, ModelError
@@ -33,11 +34,7 @@ def friction_form_error(
     speed, columns = checkup.ranges.speed, np.r_[: len(fitted.values), -COUNT:0]
     rows = [one._replace(W=one.W[..., columns]) for one in checkup.moving]
     joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
-    # regression G of the alternatives on the parameters that are free, (P, n K)
-    WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
-    G = np.hstack([joint.W.T @ joint.Z for joint in joints])
-    used = np.isnan(fitted.fixed) & (np.diag(WW) > TINY)
-    G[used], G[~used] = scaled_inverse(WW[np.ix_(used, used)]) @ G[used], 0.0
+    G = _absorbed(joints, np.isnan(fitted.fixed))
     size = len(joints) * COUNT
     H, h = np.zeros((size, size)), np.zeros(size)
     for j, (joint, of_joint) in enumerate(zip(joints, noise, strict=True)):
@@ -47,11 +44,7 @@ def friction_form_error(
         H += share * X.T @ X
         h += share * X.T @ joint.residual
     unit = np.concatenate([joint.unit for joint in joints])
-    # L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the joints' torques
-    scale = np.divide(1.0, unit, out=np.ones(size), where=unit > 0.0)
-    sizes, vectors = np.linalg.eigh(scale[:, None] * _average(H, h, unit, len(joints)) * scale)
-    kept = sizes > 1e-9 * max(sizes[-1], TINY)
-    L = np.asarray((vectors[:, kept] * np.sqrt(sizes[kept])) / scale[:, None])
+    L = _root(_average(H, h, unit, len(joints)), np.divide(1.0, unit, out=np.ones(size), where=unit > 0.0))
     error = ModelError(speed, -G @ L, L.reshape(len(joints), COUNT, -1), np.zeros(len(joints)))
     count = np.maximum(sum(one.usable.sum(axis=0) for one in rows), 1)
     explained = sum((error.variance(one.W) * one.usable).sum(axis=0) for one in rows) / count
@@ -80,6 +73,16 @@ class _Joint(NamedTuple):
         return _Joint(weight * W, weight * Z, weight * (tau - W @ values), unit)
 
 
+def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
+    """Regress the alternatives on the parameters that are free, (P, n K)."""
+    WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
+    WZ = np.hstack([joint.W.T @ joint.Z for joint in joints])
+    used = free & (np.diag(WW) > TINY)
+    G = np.zeros_like(WZ)
+    G[used] = scaled_inverse(WW[np.ix_(used, used)]) @ WZ[used]
+    return G
+
+
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:
     """Average the second moment E[c cᵀ] over all candidates."""
     # prior sizes of an alternative's torque, as parts of the RMS torque of its joint
@@ -98,3 +101,11 @@ def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> Flo
         inner = np.diag(of_kind @ shrunk) + (means.T * of_kind) @ means
         total[np.ix_(chosen, chosen)] += vectors @ inner @ vectors.T
     return total
+
+
+def _root(moment: FloatArray, scale: FloatArray) -> FloatArray:
+    """L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the joints' torques, (n K, r)."""
+    scale = np.where(scale > TINY, scale, 1.0)
+    sizes, vectors = np.linalg.eigh(scale[:, None] * moment * scale)
+    kept = sizes > 1e-9 * max(sizes[-1], TINY)
+    return np.asarray((vectors[:, kept] * np.sqrt(sizes[kept])) / scale[:, None])

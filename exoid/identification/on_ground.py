@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -64,13 +65,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
         doubt = slopes @ footing.found.spread @ slopes.T
         fitted = fitted._replace(findings=tuple(_footing_findings(footing, fitted)), doubt=doubt)
     offsets = contact_offsets(fitted) if check else ()
-    bases = [(one.file_name, one.base) for one in fitted.problem.motions if isinstance(one.base, CorrectedBase)]
-    told, names = list[Finding](), fitted.models[0].leg.parameter_names
-    # stretches of a recording share what was told; names of recordings may be alike
-    for name, base in {(name, id(base.told), base.own): (name, base) for name, base in bases}.values():
-        when = "while a foot rested" if base.own else "by another recording of the session"
-        told.append(_imu_finding(base.told._replace(force_bias=base.bias), when, name, names))
-    findings = (*faults, *fitted.findings, *told, *offsets)
+    findings = (*faults, *fitted.findings, *_told_findings(fitted), *offsets)
     return _suspended(fitted._replace(findings=findings), estimator)
 
 
@@ -123,6 +118,15 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", text, remedy, parameters=names)
     doubt = np.outer(moved, moved) + (0.0 if fitted.doubt is None else fitted.doubt)
     return fitted._replace(findings=(*fitted.findings, finding), doubt=doubt)
+
+
+def _told_findings(fitted: Fitted) -> Iterator[Finding]:
+    """Say what feet told of the errors of sensors."""
+    bases = [(one.file_name, one.base) for one in fitted.problem.motions if isinstance(one.base, CorrectedBase)]
+    # stretches of a recording share what was told; names of recordings may be alike
+    for name, base in {(name, id(base.told), base.own): (name, base) for name, base in bases}.values():
+        when = "while a foot rested" if base.own else "by another recording of the session"
+        yield _imu_finding(base.told._replace(force_bias=base.bias), when, name, fitted.models[0].leg.parameter_names)
 
 
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:

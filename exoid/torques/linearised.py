@@ -9,8 +9,8 @@ import numpy as np
 from exoid._typing import FloatArray
 
 from .model import TorqueModel
-from .motion import BLOCK, Motion
-from .term import load_motion
+from .motion import BLOCK, LoadedMotion, Motion
+from .term import TermBlock, load_motion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,19 +33,26 @@ class Linearised(TorqueModel):
         """Form the columns ∂τ/∂β for a motion, or for some rows of one, and the rest of the torque."""
         plain, rigid = super().columns(motion), len(self.leg.parameter_names)
         out = np.concatenate([plain, np.zeros_like(plain[:1])])
-        known = dict(zip(self.names, self.point.tolist(), strict=True))
         for start in range(0, len(motion.q), BLOCK):
             rows = slice(start, start + BLOCK)
             part, of_rows = out[:, self.leg.base_rows :, rows], motion.rows(rows)
             loaded = load_motion(self.blocks, of_rows, part, self.point[:rigid])
             by_load = np.zeros_like(loaded.load)
-            for block in (one for one in self.blocks if one.term.loaded):
-                # Step of the differences by the load, relative to its largest value
-                step = 1e-6 * float(np.abs(loaded.load[block.joints[0]]).max())
-                values = np.array([known.get(name, 0.0) for name in block.names])
-                above, below = (block.columns(loaded._replace(load=loaded.load + x)) for x in (step, -step))
-                change = np.tensordot(values, above, axes=1) - np.tensordot(values, below, axes=1)
-                by_load[block.joints[0]] += change[0] / (2.0 * step) if step else 0.0
+            for block in self.blocks:
+                if block.term.loaded:
+                    by_load[block.joints[0]] += self._slope_by_load(block, loaded)
             part[-1] -= by_load * (loaded.load - loaded.payload)
             part[:rigid] *= 1.0 + by_load
         return out
+
+    def _slope_by_load(self, block: TermBlock, motion: LoadedMotion) -> FloatArray:
+        """∂τ/∂τ_rb of one term, (N,)."""
+        # Step of the differences by the load, relative to its largest value
+        step = 1e-6 * float(np.abs(motion.load[block.joints[0]]).max())
+        if step == 0.0:
+            return np.zeros(motion.load.shape[1])
+        known = dict(zip(self.names, self.point.tolist(), strict=True))
+        values = np.array([known.get(name, 0.0) for name in block.names])
+        above, below = (block.columns(motion._replace(load=motion.load + each)) for each in (step, -step))
+        difference = np.tensordot(values, above, axes=1) - np.tensordot(values, below, axes=1)
+        return np.asarray(difference[0] / (2.0 * step))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.closure import Closure
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import without_side
 from exoid.leg.model import joint_axis
@@ -340,23 +341,29 @@ class TorqueModel:
         Raises:
             ExoidError: A joint that follows from a closed loop, and is passive, has a torque.
         """
-        dependent = [] if self.leg.closure is None or recording.tau is None else self.leg.closure.dependent.tolist()
-        names = self.leg.tree_joint_names if dependent else ()
-        for name in {name for j in dependent for name in (names[j], without_side(names)[j])} & {*recording.joint_names}:
-            assert recording.tau is not None
-            torque = np.nan_to_num(recording.tau[:, recording.joint_names.index(name)])
-            if torque.any():
-                raise BadArgumentError(
-                    f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
-                    f"{np.abs(torque).max():.3g} N·m",
-                    where=recording.file_name,
-                    remedy="leave its torque out, or take it for an independent joint and another one as dependent",
-                    joints=(name,),
-                )
+        if self.leg.closure is not None:
+            self._refuse_dependent_torques(recording, self.leg.closure)
         found = recording if recording.joint_names == joints else recording.select(joints)
         if isinstance(found, Poses) or all(wrench.axes == "link" for wrench in found.wrenches.values()):
             return found
         return replace(found, wrenches=wrenches_on_links(self.leg, found))
+
+    def _refuse_dependent_torques(self, recording: Recording | Poses, closure: Closure) -> None:
+        """Refuse torques of the joints that follow from closed loops: these are passive."""
+        if recording.tau is None:
+            return
+        names = self.leg.tree_joint_names
+        for j in closure.dependent.tolist():
+            for name in {names[j], without_side(names)[j]} & {*recording.joint_names}:
+                torque = np.nan_to_num(recording.tau[:, recording.joint_names.index(name)])
+                if torque.any():
+                    raise BadArgumentError(
+                        f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
+                        f"{np.abs(torque).max():.3g} N·m",
+                        where=recording.file_name,
+                        remedy="leave its torque out, or take it for an independent joint and another one as dependent",
+                        joints=(name,),
+                    )
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c.

@@ -58,17 +58,21 @@ class Motion(NamedTuple):
         Returns:
             Their motion.
         """
-        torso = self.torso
-        if isinstance(torso, TorsoMotion):  # entries that have one value a sample
-            entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
-            constant, count = {"hip_acceleration": 1}, len(self.q)
-            varies = {name: x.ndim > constant.get(name, 0) and len(x) == count for name, x in entries.items()}
-            torso = TorsoMotion(**{name: x[rows] if varies[name] else x for name, x in entries.items()})
-        elif torso is not None:
-            torso = torso.rows(rows)
+        torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
         states = {key: state[rows] for key, state in self.states.items()}
         payload, measured = (None if x is None else x[rows] for x in (self.payload, self.measured))
         return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed, measured)
+
+
+def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -> MovingBase:
+    """Rows of the entries that have one value a sample."""
+    if not isinstance(torso, TorsoMotion):
+        return torso.rows(rows)
+    entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
+    constant = {"hip_acceleration": 1}
+    return TorsoMotion(
+        **{name: x[rows] if x.ndim > constant.get(name, 0) and len(x) == count else x for name, x in entries.items()}
+    )
 
 
 class JointMotion(NamedTuple):

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
@@ -102,13 +103,7 @@ def overlaps(recordings: Sequence[Recording]) -> Iterator[tuple[int, int, float,
     """Find pairs that share over 5 % of the samples that count: places, the share, a mask of those of the later one."""
     if len(recordings) < 2 or sum(map(len, recordings)) > 1_000_000:  # a search of more would take seconds
         return
-    hashes = []  # of the angles and torques of each sample, whatever its time
-    for one in recordings:
-        columns = [one.q] if one.tau is None else [one.q, one.tau]
-        bits = (np.ascontiguousarray(np.hstack(columns), dtype=np.float64) + 0.0).view(np.uint64)  # no negative zero
-        factors = np.random.default_rng(0).integers(1, 2**63, bits.shape[1], dtype=np.uint64) | np.uint64(1)
-        mixed = (bits ^ (bits >> np.uint64(29))) * factors
-        hashes.append((mixed ^ (mixed >> np.uint64(32))).sum(axis=1, dtype=np.uint64))
+    hashes = [_hashes(one) for one in recordings]
     counted = [own if one.mask is None else own[one.mask] for own, one in zip(hashes, recordings, strict=True)]
     # whether anything occurs twice is first seen on an eighth of the rows
     sample = np.sort(np.concatenate([rows[rows & np.uint64(7) == 0] for rows in counted]))
@@ -123,3 +118,13 @@ def overlaps(recordings: Sequence[Recording]) -> Iterator[tuple[int, int, float,
         share = len(np.intersect1d(rows[first], rows[second])) / shortest
         if share > 0.05:
             yield first, second, share, np.isin(hashes[second], counted[first])
+
+
+def _hashes(recording: Recording) -> NDArray[np.uint64]:
+    """Hash of the angles and torques of each sample, whatever its time, (N,)."""
+    columns = [recording.q] if recording.tau is None else [recording.q, recording.tau]
+    rows = np.ascontiguousarray(np.hstack(columns), dtype=np.float64) + 0.0  # no negative zero
+    factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) | np.uint64(1)
+    bits = rows.view(np.uint64)
+    mixed = (bits ^ (bits >> np.uint64(29))) * factors
+    return np.asarray((mixed ^ (mixed >> np.uint64(32))).sum(axis=1, dtype=np.uint64))
