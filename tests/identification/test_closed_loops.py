@@ -88,8 +88,7 @@ def test_a_loop_described_wrongly_is_named_with_its_size(tmp_path):
         assert bool(found) is (millimetres > 1.0)
     assert found[0].value == pytest.approx(5e-3, rel=0.02)
     assert "four-bar" in found[0].message
-    one = log.select(["hip", "knee", "rear_pin"])
-    (finding,) = loop_gaps(wrong.closure, one)
+    (finding,) = loop_gaps(wrong.closure, log.select(["hip", "knee", "rear_pin"]))
     assert finding.value > 2e-3
     described = signal_findings(TorqueModel(wrong, ()), [log])
     assert "loop-gap" in [finding.kind for finding in described]

@@ -138,8 +138,7 @@ def test_it_is_one_dense_least_squares_problem(legs, sides):
 
 
 def test_parameters_that_differ_are_named_and_the_others_not(legs, sides):
-    recordings = record(sides, left=Noise(0.1), right=Noise(0.1))
-    together = identify(legs, recordings, TERMS)
+    together = identify(legs, record(sides, left=Noise(0.1), right=Noise(0.1)), TERMS)
     assert set(together.equal.below(0.05)) == {"c0_hip", "d_knee", "offset_hip", "offset_ankle"}
     comparison = together.compare("left", "right")
     assert comparison.differ

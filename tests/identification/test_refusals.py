@@ -173,7 +173,6 @@ def test_ten_samples_of_a_single_joint_give_no_confident_number():
     names = exoid.load_leg("bleex").joint_names
     urdf = exoid.catalog.urdf_folder() / "bleex.urdf"
     leg = exoid.Leg.from_urdf(urdf, names[:1], locked=dict.fromkeys(names[1:], 0.0))
-    swing = Swing(leg, 100.0)
-    recording = swing.with_noise(np.random.default_rng(0), 1.0).slice(0, 10)
+    recording = Swing(leg, 100.0).with_noise(np.random.default_rng(0), 1.0).slice(0, 10)
     estimate = exoid.identify(leg, recording, TERMS, preparation=PLAIN)
     assert "well" not in estimate.identifiability

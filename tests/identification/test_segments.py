@@ -71,8 +71,7 @@ def test_torque_outside_the_segments_does_not_change_the_estimate_in_the_last_bi
 
 
 def test_segments_lose_no_row_to_the_filter():
-    model = TorqueModel(swing().leg, TERMS)
-    rows = make_rows(model, segmented(), ZeroPhase())
+    rows = make_rows(TorqueModel(swing().leg, TERMS), segmented(), ZeroPhase())
     np.testing.assert_array_equal(rows.time, swing().time[mask()])
 
 
@@ -136,8 +135,7 @@ def test_intervals_from_thirty_swings_contain_the_truth_as_often_as_they_say(for
     inside = []
     for seed in range(40):
         recordings = form(noise=disturbance([seed, 7], time_constant), seed=seed)
-        estimate = exoid.identify(swing().leg, recordings, TERMS, check=False)
-        low, high = estimate.interval().T
+        low, high = exoid.identify(swing().leg, recordings, TERMS, check=False).interval().T
         inside.append((low <= swing().truth) & (swing().truth <= high))
     assert 0.92 < np.mean(inside) < 0.985
     assert np.mean(inside, axis=0).min() > 0.79

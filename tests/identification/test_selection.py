@@ -157,8 +157,7 @@ def test_friction_is_selected_from_ten_samples_a_second(leg):
 
 
 def test_what_is_known_is_held_by_every_candidate(leg):
-    log = recorded(leg, plain, seconds=30.0, rate=20.0)
-    found = select_terms(leg, log, folds=3, known={"X2": 1.6})
+    found = select_terms(leg, recorded(leg, plain, seconds=30.0, rate=20.0), folds=3, known={"X2": 1.6})
     assert found.to_json()["known"]["X2"] == found.estimate.value("X2") == 1.6
     assert found.estimate["X2"].std == 0.0
 

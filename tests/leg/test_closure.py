@@ -184,8 +184,7 @@ def test_what_closed_loops_do_not_have_is_refused(tmp_path):
 
 def test_a_moving_base_gives_the_torque_that_its_motion_causes(tmp_path):
     """Accelerating the base upwards at 9.81 m/s² doubles gravity."""
-    machine = four_bar_knee(0)
-    leg = machine.leg(tmp_path, base="moving")
+    leg = four_bar_knee(0).leg(tmp_path, base="moving")
     q, v, a = random_motion(leg)
     still = np.zeros((len(q), 3))
     base = BaseKinematics(still, still, np.tile([0.0, 0.0, 2 * 9.81], (len(q), 1)))

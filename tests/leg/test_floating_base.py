@@ -176,8 +176,7 @@ def test_limbs_are_named_by_their_side_or_their_first_joint(names, labels):
 
 
 def test_any_robot_that_floats_has_the_rows_of_pinocchios_free_flyer(robot):
-    rng = np.random.default_rng(1)
-    flight = Flight.random(robot, rng)
+    flight = Flight.random(robot, np.random.default_rng(1))
     assert_relative(robot.inverse_dynamics(*flight.joints, flight.base), flight.rows(), TOLERANCE)
     W = robot.regressor(*flight.joints, flight.base)
     assert_relative(W, robot.reduction.reduce(flight.regressor()), TOLERANCE)

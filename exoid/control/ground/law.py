@@ -44,8 +44,8 @@ FADING = 0.05
 """Share, over the largest one, below which a contact fades."""
 
 LEAST_SHARE, LARGEST_SHARE = 0.2, 3.0
-"""Least and largest normal force of a contact that bears all the load, over the weight."""
-# A foot that bears, and then next to nothing, leaves the ground by the law's own doing. Chosen on seeds 900 to 903.
+"""Least normal force of a contact beside others, and largest one, over the weight and its part of the shares."""
+# A foot that bears next to nothing leaves the ground by the law's own doing; one alone bears what the motion asks for.
 
 
 class GroundState(NamedTuple):
@@ -132,8 +132,8 @@ class StanceLaw:
         """Compute torque, accelerations and forces.
 
         They minimise |A (dν − dν_d)|² + ε |τ|² + |W (f − f_share)|² under M dν + h = Sᵀτ + Jᵀf, J dν = −dJ ν, the
-        friction cone, the edges of the soles, and the limits. f_share is the force that bears the same load with the
-        given shares, f_share = G J_bᵀ f with G = S J_b (J_bᵀ S J_b)⁻¹, so that shares never change the motion.
+        friction cone, edges of soles, bounds of normal forces by shares, and limits. f_share bears the same load with
+        the given shares, f_share = G J_bᵀ f with G = S J_b (J_bᵀ S J_b)⁻¹: only their bounds change the motion.
 
         Args:
             state: Measured state, with the contacts that hold.
@@ -246,7 +246,7 @@ class StanceLaw:
             "drift_cost": (DRIFT, "of the hip [s^2/m]"),
             "arm": (ARM, "by which forces and moments are compared [m]"),
             "fading": (FADING, "share over the largest below which a contact fades"),
-            "least_share": (LEAST_SHARE, "least normal force of a contact that bears all, over the weight"),
+            "least_share": (LEAST_SHARE, "least normal force beside others, over the weight and its share"),
             "largest_share": (LARGEST_SHARE, "largest force of a contact that bears all, over the weight"),
         }
         return stance_in_c(self.model, self.friction, self.rate, numbers, dialect)
@@ -280,7 +280,7 @@ class StanceLaw:
         start = BASE + self.model.n
         F = np.zeros((sum(len(each.cone) for each in rows) + len(rows), start + sum(len(each.J) for each in rows)))
         low, top, row = np.full(len(F), -np.inf), np.zeros(len(F)), 0
-        low[-len(rows) :], top[-len(rows) :] = LEAST_SHARE * shares, LARGEST_SHARE * shares
+        low[-len(rows) :], top[-len(rows) :] = LEAST_SHARE * shares * (len(rows) > 1), LARGEST_SHARE * shares
         for k, each in enumerate(rows):
             F[row : row + len(each.cone), start : start + len(each.J)] = each.cone
             F[k - len(rows), start + 1] = 1.0

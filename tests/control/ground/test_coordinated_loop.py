@@ -100,6 +100,16 @@ def test_a_foot_that_is_planned_on_the_ground_and_not_felt_is_lowered_until_it_b
     assert np.abs(run.q[-1] - joint_angles(machine.leg, stand.flexion[:1])[0]).max() < 0.05
 
 
+def test_a_slide_with_hardly_any_force_along_the_ground_does_not_make_it_slippery(machine, monkeypatch):
+    """The accelerometer is off by 0.3 m/s²: soles seem to slide by 4 mm, which is noticed, and not yet by 3 cm."""
+    loop, call, off = loop_of(machine, {}), CoordinatedLoop.__call__, np.array([0.3, 0.0, 0.0])
+    biased = lambda self, reading: call(self, reading._replace(specific_force=reading.specific_force + off))  # noqa: E731
+    monkeypatch.setattr(CoordinatedLoop, "__call__", biased)
+    run_of(machine, loop, "stand", 0.0, 0.5, HEALTHY)
+    assert max(loop._slipped.values()) > 0.004
+    assert loop.law.ground_friction == 0.6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.8, 0.25])
 def test_soles_that_slip_are_noticed_and_the_law_then_uses_less_friction_than_the_ground_has(machine, friction):

@@ -90,8 +90,7 @@ def test_the_loop_matrix_predicts_an_independent_nonlinear_integration(wearer, d
     """Thirty periods from a small velocity of the leg, with a model that is 8 % too heavy."""
     law = AMPLIFIED(heavier(1.08), 6.0)
     leg = hold(linear_leg(MODEL, POSE), linear_wearer(wearer, POSE), 1.0 / law.rate)
-    linear = linear_law(law, POSE).without_last()
-    matrix = loop_matrices(leg, linear, delay)[0]
+    matrix = loop_matrices(leg, linear_law(law, POSE).without_last(), delay)[0]
     kick = np.zeros(8)
     kick[2:4] = 1e-3, -2e-3
     begun = _begun_memory(law, POSE + kick[:2], kick[2:4]) - _begun_memory(law, POSE, np.zeros(2))
