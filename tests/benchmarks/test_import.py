@@ -14,7 +14,7 @@ ROUNDS = 5
 RATIO = 1.5
 """Above this something heavy has come into ``import exoid``."""
 
-FIRST_USE = 4.0
+FIRST_USE = 3.5
 """The same for a leg and its identification, which need Pinocchio (2.3 to 2.8 measured)."""
 
 SCRIPT = "import time; start = time.process_time(); {}; print(time.process_time() - start)"

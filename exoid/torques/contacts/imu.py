@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import permutations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -56,8 +57,8 @@ left as logged (median); what 1 m/s² counts as beside a turn [rad/s]; and what 
 Of walkers of seeds 20 to 34, healthy ones leave 1.0, turned sensors 0.02 to 0.1 and interchanged feet 0.03.
 """
 
-PROPER = scipy.spatial.transform.Rotation.create_group("O").as_matrix().round()
-AXES = np.concatenate([PROPER, -PROPER])
+TURNS = [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
+AXES = np.array(sorted(TURNS, key=np.linalg.det, reverse=True))
 """Axes that a sensor may have in those of the root link, right-handed ones first."""
 
 FEW = 3
