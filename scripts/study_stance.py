@@ -4,7 +4,7 @@
     python scripts/study_stance.py --seeds 2 --jobs 1
     python scripts/study_stance.py --walk                # the walk alone, with the true friction and rotors: a minute
     python scripts/study_stance.py --walkers             # walkers drawn by seeds from 1000 on, on five kinds of ground
-    python scripts/study_stance.py --faults --seeds 5    # the same walkers, with a fault of one joint
+    python scripts/study_stance.py --faults --seeds 5    # the same walkers, with faults and mistakes
 
 Each seed is one `exoid reproduce stance`: other motions, noise and bias of the IMU. Errors are the 95 % quantile over
 the seeds of the largest one of a seed; coverage is that of 95 % intervals of all parameters.
@@ -17,6 +17,7 @@ import re
 import warnings
 import xml.etree.ElementTree as ET
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import chain
@@ -195,8 +196,48 @@ def walker_log(runs: list[GroundRun], seed: int, number: int, *, plates: bool, i
     return replace(read, base=moved if imu else None, wrenches=held)
 
 
-FAULTS = {"torque-scale": ("tau", 1.1, 0.0), "angle-offset": ("q", 1.0, np.deg2rad(3.0))}
+FAULTS = {
+    "torque-scale": ("tau", 1.1, 0.0),
+    "angle-offset": ("q", 1.0, np.deg2rad(3.0)),
+    "torque-offset": ("tau", 1.0, 6.0),
+}
 """Faults of one joint by the finding that names them: factor and offset of a quantity."""
+
+IMU_LATE = 0.03
+"""Time by which an IMU reads late [s]."""
+
+
+def _knees_swapped(log: Recording) -> Recording:
+    """Interchange the angles of the knees."""
+    return replace(log, q=log.q[:, [0, 4, 2, 3, 1, 5]])
+
+
+def _feet_swapped(log: Recording) -> Recording:
+    """Interchange the switches of the feet."""
+    left, right = log.contacts.get("left_foot"), log.contacts.get("right_foot")
+    return log if left is None or right is None else replace(log, contacts={"left_foot": right, "right_foot": left})
+
+
+def _imu(change: np.ndarray, late: float = 0.0) -> Callable[[Recording], Recording]:
+    """Turn the axes of the IMU, or let it read late; of a swing, too."""
+
+    def of(log: Recording) -> Recording:
+        assert log.base is not None
+        rows = np.maximum(np.arange(len(log)) - round(late * log.sample_rate), 0)
+        columns = (x[rows] @ change for x in (log.base.angular_velocity, log.base.specific_force))
+        return replace(log, base=BaseMotion(*columns, log.base.position))
+
+    return of
+
+
+MISTAKES = {
+    "knees swapped": (_knees_swapped, "the angles of left_knee and right_knee were interchanged"),
+    "feet swapped": (_feet_swapped, "the log says that"),
+    "IMU turned": (_imu(np.diag([-1.0, -1.0, 1.0])), "-x, -y, z"),
+    "IMU mirrored": (_imu(np.diag([-1.0, 1.0, 1.0])), "against the vertical of its accelerometer"),
+    "IMU 30 ms late": (_imu(np.eye(3), IMU_LATE), "imu-delay"),
+}
+"""Mistakes of whole logs with an IMU, and part of the message or the kind that names them."""
 
 
 def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]:
@@ -210,7 +251,7 @@ def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]
     for way in ("neither", "IMU"):
         logs = [walker_log(runs, seed, k, plates=False, imu=k == 3 or way == "IMU") for k in range(4)]
         told = [one.kind for one in identify(plant.leg, logs, TERMS).findings]
-        found.append((way, "none", "", bool({*told} & {*FAULTS})))
+        found.append((way, "none", "", bool({*told} & {*FAULTS, "imu-delay"})))
         for kind, (quantity, factor, offset) in FAULTS.items():
             for joint, name in enumerate(plant.leg.joint_names):
                 own = np.arange(6) == joint
@@ -221,6 +262,12 @@ def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]
                 except ExoidError:
                     told = [(kind, name)]  # refused
                 found.append((way, kind, name.split("_")[1], (kind, name) in told))
+        for name, (mistake, said) in MISTAKES.items() if way == "IMU" else ():
+            try:
+                told = [one.kind for one in identify(plant.leg, [mistake(log) for log in logs], TERMS).findings]
+            except ExoidError as error:
+                told = [str(error)]
+            found.append((way, name, "", any(said in one for one in told)))
     return found
 
 
@@ -230,7 +277,7 @@ def print_faulty(every: list[tuple[str, str, str, bool]]) -> None:
         cells = []
         for way in ("neither", "IMU"):
             named = [is_named for one, *rest, is_named in every if one == way and tuple(rest) == fault]
-            cells.append(f"{way} {sum(named)} of {len(named)}")
+            cells += [f"{way} {sum(named)} of {len(named)}"] * bool(named)
         print(f"{' '.join(fault):20s} named: {'; '.join(cells)}")
 
 
@@ -312,7 +359,7 @@ def main() -> None:
     parser.add_argument("--walking", type=float, default=80.0, help="seconds of the walk")
     parser.add_argument("--walk", action="store_true", help="only the walk, with known friction and rotors")
     parser.add_argument("--walkers", action="store_true", help="drawn walkers, on five kinds of ground")
-    parser.add_argument("--faults", action="store_true", help="walkers with one joint out of scale, or a wrong zero")
+    parser.add_argument("--faults", action="store_true", help="walkers with faults of a joint, or mistakes in logs")
     options = parser.parse_args()
     first = (1000 if options.walkers or options.faults else 0) if options.first is None else options.first
     seeds = range(first, first + options.seeds)

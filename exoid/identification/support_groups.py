@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding
@@ -17,7 +15,7 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.torques.contacts import Split, split
-from exoid.torques.contacts.imu import ROCKS, beside
+from exoid.torques.contacts.imu import ROCKS, beside, late
 from exoid.torques.contacts.stretches import EDGE
 from exoid.torques.contacts.support_model import SupportModel
 
@@ -86,13 +84,12 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
                 joints=tuple(missing),
             )
         cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
-        preparation = group.preparation if cutoff is None else ZeroPhase(cutoff)
         groups.append(
             replace(
                 group,
                 model=support,
                 data=tuple(data),
-                preparation=preparation,
+                preparation=group.preparation if cutoff is None else ZeroPhase(cutoff),
                 links=" and ".join(links) + (" on plates" if plates else "") or MEASURED,
                 findings=() if groups else tuple(findings),
             )
@@ -102,8 +99,13 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
 
 def _split_session(leg: Leg, data: Sequence[Recording], preparation: Preparation) -> tuple[list[Split], list[Finding]]:
     """Split recordings that have one sensor on the base, and say what is wrong with it."""
-    every = [split(leg, one, preparation) for one in data]
-    findings = list(_places(data, every))
+    every, findings = [split(leg, one, preparation) for one in data], list[Finding]()
+    if delay := late(np.sum([parts.turns for parts in every], axis=0)):
+        data = [_without_delay(one, delay) for one in data]
+        every = [split(leg, one, preparation) for one in data]
+        text = f"feet tell that the base's sensor reads {1e3 * delay:.0f} ms later than the angles; it was moved"
+        findings.append(Finding("imu-delay", "", delay, "s", "warning", text, "stamp both with one clock"))
+    findings += _places(data, every)
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
     apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
@@ -171,23 +173,21 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
     ]
 
 
+def _without_delay(recording: Recording, delay: float) -> Recording:
+    """Move readings of the base's sensor against the angles; at the end they keep their last value."""
+    even = recording.resampled()
+    at = np.clip(even.time + delay, even.time[0], even.time[-1])
+    return even if even.base is None else replace(even, base=even.base.interpolated(even.time, at))
+
+
 def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:
     """Say where the base's sensor is, if all recordings together tell that it is not where they say."""
-    turns = defaultdict[tuple[float, ...], FloatArray](lambda: np.zeros((4, 4)))
-    for one, parts in zip(data, every, strict=True):
-        if one.base is not None:
-            turns[tuple(one.base.position.tolist())] += parts.turns
-    for position, total in turns.items():
-        size = float(np.linalg.norm(aside := beside(total)))
-        if size > 0.0:
-            place = ", ".join(f"{x:.2f}" for x in position + aside)
-            text = (
-                f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on feet tell"
-            )
-            advice = (
-                f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
-            )
-            yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
+    if size := float(np.linalg.norm(aside := beside(np.sum([parts.turns for parts in every], axis=0)))):
+        said = next(one.base.position for one in data if one.base is not None)
+        place = ", ".join(f"{x:.2f}" for x in said + aside)
+        text = f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on feet tell"
+        advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
+        yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
 
 
 def rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:

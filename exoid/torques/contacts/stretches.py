@@ -75,7 +75,7 @@ class Split(NamedTuple):
         visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
-        turns: What turns on flat feet say of the place of the base's sensor, (4, 4), see :func:`~.imu.turns_on_feet`.
+        turns: What turns on flat feet say of the base's sensor, (5, 5), see :func:`~.imu.turns_on_feet`.
     """
 
     stretches: tuple[Stretch, ...]
@@ -213,9 +213,9 @@ def _without_bias(
     """Take errors of the inertial measurement unit out that feet at rest tell; these errors, slips, and its turns."""
     base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
     if base is None or not leg.base_rows:
-        return raw, imu, slip, np.zeros((4, 4))
+        return raw, imu, slip, np.zeros((5, 5))
     still, corrected = {link: standing_reading(leg, raw, link, base.position) for link in soles}, base
-    refuse_turned(base, still, soles, rate, raw.file_name)
+    refuse_turned(leg, raw, still, soles)
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(base, still, rests, rate) if tell and not base.calibrated else None

@@ -200,6 +200,19 @@ def test_a_sensor_that_is_elsewhere_is_named(exo, stance, height, severity):
     assert found[0].value == pytest.approx(height, abs=0.005)
 
 
+@pytest.mark.slow
+def test_a_sensor_that_is_late_is_named_and_moved(exo, stance):
+    """Before, feet were said to rock, and no bias was taken out."""
+    logs = [with_imu(log, k) for k, log in enumerate(stance)]
+    for samples, named in ((0, []), (12, ["imu-delay"])):
+        late = [replace(log, base=log.base.rows(np.maximum(np.arange(len(log)) - samples, 0))) for log in logs]
+        found = identify(exo, late, TERMS)
+        told = [one for one in found.findings if one.kind in ("imu-delay", "rocking-foot", "imu-position")]
+        assert [one.kind for one in told] == named
+        assert [one.value for one in told] == pytest.approx([0.048] * len(named), abs=0.003)
+        assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
+
+
 RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
 AROUND = np.array([-1.0, -1.0, 1.0])
 
@@ -221,6 +234,20 @@ def test_a_base_that_moves_otherwise_than_its_foot_is_refused(exo, stance, turn,
     base = replace(base, specific_force=turn * base.specific_force)
     with pytest.raises(ExoidError, match=message):
         split(exo, replace(log, base=base, contacts=contacts or log.contacts))
+
+
+@pytest.mark.parametrize(
+    ("order", "sign", "message"),
+    [
+        ([0, 4, 2, 3, 1, 5], 1.0, "the angles of left_knee and right_knee were interchanged"),
+        ([0, 1, 2, 3, 4, 5], [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "the angle of left_hip had the other sign"),
+    ],
+)
+def test_angles_that_a_base_contradicts_are_refused(exo, stance, order, sign, message):
+    """Before, the foot was said to rock by 0.1 rad."""
+    log = with_imu(stance[1], 0)
+    with pytest.raises(ExoidError, match=message):
+        split(exo, replace(log, q=log.q[:, order] * sign))
 
 
 @pytest.mark.parametrize("pitch", [-1.0, -1.5, -2.0])
