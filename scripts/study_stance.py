@@ -207,21 +207,26 @@ IMU_LATE = 0.03
 """Time by which an IMU reads late [s]."""
 
 
-def _knees_swapped(log: Recording) -> Recording:
+def _halved(number: int, log: Recording) -> Recording:
+    """Halve all torques of the second log."""
+    return replace(log, tau=0.5 * log.tau) if number == 1 else log
+
+
+def _knees_swapped(_: int, log: Recording) -> Recording:
     """Interchange the angles of the knees."""
     return replace(log, q=log.q[:, [0, 4, 2, 3, 1, 5]])
 
 
-def _feet_swapped(log: Recording) -> Recording:
+def _feet_swapped(_: int, log: Recording) -> Recording:
     """Interchange the switches of the feet."""
     left, right = log.contacts.get("left_foot"), log.contacts.get("right_foot")
     return log if left is None or right is None else replace(log, contacts={"left_foot": right, "right_foot": left})
 
 
-def _imu(change: np.ndarray, late: float = 0.0) -> Callable[[Recording], Recording]:
+def _imu(change: np.ndarray, late: float = 0.0) -> Callable[[int, Recording], Recording]:
     """Turn the axes of the IMU, or let it read late; of a swing, too."""
 
-    def of(log: Recording) -> Recording:
+    def of(_: int, log: Recording) -> Recording:
         assert log.base is not None
         rows = np.maximum(np.arange(len(log)) - round(late * log.sample_rate), 0)
         columns = (x[rows] @ change for x in (log.base.angular_velocity, log.base.specific_force))
@@ -231,6 +236,7 @@ def _imu(change: np.ndarray, late: float = 0.0) -> Callable[[Recording], Recordi
 
 
 MISTAKES = {
+    "one log halved": (_halved, "torque-scale"),
     "knees swapped": (_knees_swapped, "the angles of left_knee and right_knee were interchanged"),
     "feet swapped": (_feet_swapped, "the log says that"),
     "IMU turned": (_imu(np.diag([-1.0, -1.0, 1.0])), "-x, -y, z"),
@@ -264,7 +270,10 @@ def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]
                 found.append((way, kind, name.split("_")[1], (kind, name) in told))
         for name, (mistake, said) in MISTAKES.items() if way == "IMU" else ():
             try:
-                told = [one.kind for one in identify(plant.leg, [mistake(log) for log in logs], TERMS).findings]
+                told = [
+                    one.kind
+                    for one in identify(plant.leg, [mistake(k, log) for k, log in enumerate(logs)], TERMS).findings
+                ]
             except ExoidError as error:
                 told = [str(error)]
             found.append((way, name, "", any(said in one for one in told)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
+from exoid.regression.diagnostics import other_scale
 from exoid.regression.least_squares import scaled_inverse
 from exoid.signals import Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD
@@ -22,7 +24,7 @@ from .findings.score import in_half_widths
 from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .footing import Footing, footing_effects
 from .problem import Fitted
-from .row_changes import Effects, best_reading, changed, equations
+from .row_changes import Effects, best_reading, changed, equations, residual
 
 SIZES = {
     "torque-scale": (0.02, 0.3, "1", 4.0),
@@ -42,6 +44,22 @@ or measured wrenches are 1 + s times as large.
 GAIN, ALIKE = 0.02, 0.8
 """A fault explains at least this part of the squared residuals, and others that explain this part of what it does are
 named beside it. Scales of 1.1 and angles 3° off explain 0.18."""
+
+
+def other_scales(fitted: Fitted) -> Iterator[Finding]:
+    """Find recordings in which all torques have another scale than in the others."""
+    logs = defaultdict[tuple[str, bytes], list[FloatArray]](list)  # supports of a recording share its angles
+    for k, group in enumerate(fitted.problem.groups):
+        for index, one in enumerate(group.motions):
+            rows = group.decimated(index)
+            left = residual(rows, fitted.values(k))
+            fit = np.where(rows.usable, rows.tau, 0.0) - left
+            logs[one.file_name, one.q.tobytes()].append(np.sum([fit * fit, fit * left, left * left], axis=1))
+    for number, ((name, _), sums) in enumerate(logs.items(), 1):
+        if (scale := other_scale(np.hstack(sums))) != 1.0:
+            text = f"all torques of {name or f'recording {number}'} are {scale:.2g} times what the other logs say"
+            remedy = "look for another unit or scale of this log, or a load that it lacks (payloads=)"
+            yield Finding("torque-scale", "", scale, "1", "error", text, remedy, None, fitted.problem.names, name)
 
 
 def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:

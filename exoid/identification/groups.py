@@ -23,9 +23,7 @@ from .problem import Problem
 
 
 def pair_groups(
-    legs: Leg | Mapping[str, Leg],
-    recordings: Measured | Mapping[str, Measured],
-    own: str | Sequence[str] | None,
+    legs: Leg | Mapping[str, Leg], recordings: Measured | Mapping[str, Measured], own: str | Sequence[str] | None
 ) -> dict[str, tuple[Leg, Data]]:
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number."""
     if own is None and not isinstance(recordings, Mapping):

@@ -67,8 +67,7 @@ class Problem:
         """The only group."""
         if len(self.groups) > 1:
             raise NotSupportedError(
-                "this estimator is for one leg alone, and there are several groups",
-                remedy="use one of huber, ols, wls",
+                "this estimator is for one leg alone, and there are several groups", remedy="use one of huber, ols, wls"
             )
         return self.groups[0]
 

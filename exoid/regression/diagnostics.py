@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-from .least_squares import RFactor, Solution
+from .least_squares import TINY, RFactor, Solution
 from .model import RegressorModel
 from .noise import autocovariance_sums
 from .parameters import PriorKnowledge
@@ -37,6 +37,10 @@ ILL_CONDITIONED = 100.0
 
 HOPELESS = 300.0
 """and beyond this to a third."""
+
+OTHER, MOST = 0.1, 0.5
+"""Logarithm of a factor from which on it is another scale, and least part of the squared residuals of a row that it
+explains, and of the rows that have it."""
 
 
 class Direction(NamedTuple):
@@ -184,6 +188,15 @@ def _smallest_size(columns: FloatArray, torques: FloatArray) -> FloatArray:
     there = (columns > 0.0) & (torques > 0.0)  # a passive joint has no torque to explain
     sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=there).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
+
+
+def other_scale(sums: FloatArray) -> float:
+    """Scale of the torque of rows beside that of a fit, p, from sums of p², p r and r² of each, (3, R); 1 for none."""
+    # Residuals r = τ − p, where τ = s p, have s = 1 + Σpr / Σp², which explains (Σpr)² / Σp² of Σr²
+    power, product, left = sums
+    scales = 1.0 + product / np.maximum(power, TINY)
+    odd = (product**2 > MOST * power * left) & (np.abs(np.log(np.maximum(scales, TINY))) > OTHER) & (scales > 0.0)
+    return float(np.median(scales[odd])) if np.mean(odd) >= MOST else 1.0
 
 
 def reference_scale(

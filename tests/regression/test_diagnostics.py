@@ -6,7 +6,7 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid.regression.diagnostics import identifiability_class
+from exoid.regression.diagnostics import identifiability_class, other_scale
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
@@ -20,6 +20,18 @@ def swing():
 @pytest.fixture(scope="module")
 def estimate(swing):
     return identify(swing.leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("factor", "rows", "noise", "found"),
+    [(2.0, 3, 0.1, 2.0), (0.9, 3, 0.01, 0.9), (0.92, 3, 0.01, 1.0), (2.0, 2, 0.1, 1.0), (2.0, 3, 2.0, 1.0)],
+)
+def test_another_scale_is_that_of_at_least_half_the_rows_and_their_residuals(factor, rows, noise, found):
+    rng = np.random.default_rng(0)
+    fitted = rng.standard_normal((1000, 6))
+    tau = fitted * np.where(np.arange(6) < rows, factor, 1.0) + noise * rng.standard_normal((1000, 6))
+    left = tau - fitted
+    assert other_scale(np.sum([fitted**2, fitted * left, left**2], axis=1)) == pytest.approx(found, rel=0.05)
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,4 @@ from .by_name import Estimator
 from .huber import huber
 from .joint_ml import JointML
 
-__all__ = [
-    "Estimator",
-    "Fit",
-    "JointML",
-    "LeastSquaresProblem",
-    "huber",
-    "ols",
-    "wls",
-]
+__all__ = ["Estimator", "Fit", "JointML", "LeastSquaresProblem", "huber", "ols", "wls"]

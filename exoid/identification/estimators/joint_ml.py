@@ -91,12 +91,7 @@ class JointML:
         model = smooth(group.model)
         preparation = ZeroPhase(choose_cutoff([for_leg(group.model, data) for data in group.motions]))
         moving = [_moving(group.model, data, preparation) for data in group.motions]
-        fit = partial(
-            fit_motion,
-            model,
-            solve=problem.solve,
-            priors=problem.prior_knowledge.pseudo_rows(problem.names),
-        )
+        fit = partial(fit_motion, model, solve=problem.solve, priors=problem.prior_knowledge.pseudo_rows(problem.names))
         start = first if preparation == group.preparation else wls(problem.changed(preparation=preparation))
         values, spacing = start.solution.values, self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)

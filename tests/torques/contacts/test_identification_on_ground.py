@@ -213,6 +213,16 @@ def test_a_sensor_that_is_late_is_named_and_moved(exo, stance):
         assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [1.0, 0.5, 1.3])
+def test_a_recording_whose_torques_have_another_scale_is_named(exo, stance, factor):
+    """Before, parameters were off by 87 standard deviations without a word."""
+    logs = [with_imu(log, k) for k, log in enumerate(stance)]
+    logs[1] = replace(logs[1], tau=factor * logs[1].tau)
+    told = [one for one in exoid.identify(exo, logs, terms=TERMS).findings if one.kind == "torque-scale"]
+    assert [one.value for one in told] == pytest.approx([factor] * (factor != 1.0), rel=0.1)
+
+
 RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
 AROUND = np.array([-1.0, -1.0, 1.0])
 
