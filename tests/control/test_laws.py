@@ -10,16 +10,7 @@ import pytest
 from controlled_legs import cuhk_plant, exact_estimate, random_target, true_torque
 
 from exoid import control
-from exoid.control import (
-    AHEAD,
-    SHARP,
-    SMOOTH,
-    ControlModel,
-    FrictionCompensation,
-    State,
-    gravity_friction_pd,
-    pd,
-)
+from exoid.control import AHEAD, SHARP, SMOOTH, ControlModel, FrictionCompensation, State, gravity_friction_pd, pd
 
 STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_gains.py"))
 KP, KD = (22.0, 56.0), (2.2, 5.6)

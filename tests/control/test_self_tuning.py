@@ -8,13 +8,7 @@ from arms import Arm
 from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 import exoid
-from exoid.control import (
-    ControlModel,
-    State,
-    compare_laws,
-    feedforward_pd,
-    self_tuning,
-)
+from exoid.control import ControlModel, State, compare_laws, feedforward_pd, self_tuning
 from exoid.control.self_tuning import SLEW, SelfTuning
 from exoid.control.self_tuning import exact_estimate as written
 from exoid.control.standard_laws import SENSORS

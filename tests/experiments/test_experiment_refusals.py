@@ -18,12 +18,7 @@ from exoid.experiments import (
 )
 from exoid.experiments.bench import run_motion
 from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, plan_stance
-from exoid.experiments.ground import (
-    Stance,
-    bleex_machine,
-    single_support,
-    squats_and_shifts,
-)
+from exoid.experiments.ground import Stance, bleex_machine, single_support, squats_and_shifts
 from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.limits import refuse_poses_beyond_limits
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors, Wearer, simulate
@@ -133,7 +128,7 @@ REFUSED = {
         ("floating", lambda: plan_stance(BLEEX)),
     ],
     ExoidError: [  # what other rooms refuse
-        ("floats", lambda: plan_excitation(FLOATING)),
+        ("floats", lambda: plan_excitation(FLOATING))
     ],
 }
 

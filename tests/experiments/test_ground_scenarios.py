@@ -8,13 +8,7 @@ from ground_machines import inverse_dynamics_residual, residual
 from scipy.interpolate import CubicSpline
 
 import exoid
-from exoid.experiments.ground import (
-    bleex_machine,
-    single_support,
-    squats_and_shifts,
-    swing,
-    walking,
-)
+from exoid.experiments.ground import bleex_machine, single_support, squats_and_shifts, swing, walking
 from exoid.experiments.ground.planned_motion import Bearing, planned_motion
 from exoid.experiments.ground.posture import planar_legs
 from exoid.rig.ground import JointGains, simulate_on_ground
@@ -68,11 +62,9 @@ def test_feet_stand_flat_without_slip(named):
     name, run = named
     if name == "walking":
         return
-    standing = {
-        "single_support": ["left_foot"],
-        "single_support of the right leg": ["right_foot"],
-        "swing": [],
-    }.get(name, list(run.feet))
+    standing = {"single_support": ["left_foot"], "single_support of the right leg": ["right_foot"], "swing": []}.get(
+        name, list(run.feet)
+    )
     for link, foot in run.feet.items():
         if link in standing:
             assert run.fixed(link).all()

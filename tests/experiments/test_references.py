@@ -4,14 +4,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.experiments import (
-    Approach,
-    Hold,
-    cuhk,
-    fit_harmonics,
-    gait_for_leg,
-    healthy_gait,
-)
+from exoid.experiments import Approach, Hold, cuhk, fit_harmonics, gait_for_leg, healthy_gait
 from exoid.experiments.gait import COSINE_DEG, MEAN_DEG, SINE_DEG, fit_to_limits
 from exoid.experiments.limits import refuse_motion_beyond_limits
 

@@ -49,17 +49,7 @@ def test_joints_come_from_the_angle_columns_in_the_order_of_the_file(log):
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["plain", "BOM"])
 def test_delimiters_line_endings_and_byte_order_marks_do_not_matter(log, delimiter, ending, mark):
-    lines = [
-        "# made by a logger",
-        HEADER.replace(",", " , "),
-        *ROWS[:5],
-        "",
-        "# pause",
-        *ROWS[5:],
-        "",
-        ",,,,",
-        "  ",
-    ]
+    lines = ["# made by a logger", HEADER.replace(",", " , "), *ROWS[:5], "", "# pause", *ROWS[5:], "", ",,,,", "  "]
     text = ending.join(line.replace(",", delimiter) for line in lines)
     recording = Recording.from_csv(log(mark + text.encode()))
     plain = Recording.from_csv(log([HEADER, *ROWS]))

@@ -21,11 +21,7 @@ def response(frequency, rate, cutoff):
     return np.mean((out[middle, 0] + 1j * out[middle, 1]) / wave[middle])
 
 
-@given(
-    rate=st.floats(20.0, 2000.0),
-    share=st.floats(0.02, 0.45),
-    frequency_share=st.floats(0.02, 0.48),
-)
+@given(rate=st.floats(20.0, 2000.0), share=st.floats(0.02, 0.45), frequency_share=st.floats(0.02, 0.48))
 @settings(max_examples=40, deadline=None)
 def test_every_frequency_passes_without_delay_and_with_the_documented_gain(rate, share, frequency_share):
     cutoff, frequency = share * rate, frequency_share * rate

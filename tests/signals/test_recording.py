@@ -15,12 +15,7 @@ TIME = np.arange(60) / 50.0
 def arrays(**changes):
     """A small valid motion of two joints, with changes."""
     phase = np.column_stack([TIME, TIME + 0.3]) * 4.0
-    made = {
-        "q": 0.5 * np.sin(phase),
-        "v": 2.0 * np.cos(phase),
-        "a": -8.0 * np.sin(phase),
-        "tau": 30.0 * np.cos(phase),
-    }
+    made = {"q": 0.5 * np.sin(phase), "v": 2.0 * np.cos(phase), "a": -8.0 * np.sin(phase), "tau": 30.0 * np.cos(phase)}
     return {"time": TIME, **made, "joint_names": JOINTS, **changes}
 
 
@@ -57,9 +52,7 @@ def test_velocity_in_degrees_beside_angles_in_radians_is_refused_noise_or_not(no
     q = arrays()["q"] + noise * rng.normal(size=(60, 2))
     v = arrays()["v"] + noise * rng.normal(size=(60, 2))
     refused(
-        r"v of joint hip is 5\d\.\d times the rate of its q: v looks like degrees.*deg2rad\(v\)",
-        q=q,
-        v=np.rad2deg(v),
+        r"v of joint hip is 5\d\.\d times the rate of its q: v looks like degrees.*deg2rad\(v\)", q=q, v=np.rad2deg(v)
     )
     refused(r"v of joint hip is 0\.01\d+ times .*: q looks like degrees", q=10.0 * q, v=np.deg2rad(10.0 * v))
 

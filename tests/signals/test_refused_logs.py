@@ -10,13 +10,7 @@ import pytest
 from exoid import BaseMotion, Recording, TorsoMotion, Wrench
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.leg.payload import Payload
-from exoid.signals import (
-    Column,
-    MovingAverage,
-    ZeroPhase,
-    contacts_from_wrench,
-    zero_phase,
-)
+from exoid.signals import Column, MovingAverage, ZeroPhase, contacts_from_wrench, zero_phase
 from exoid.signals.differentiation import difference, smooth_motion
 
 N = 60

@@ -82,8 +82,7 @@ def test_a_torque_twice_as_large_as_the_smallest_that_the_test_notices_is_notice
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["bleex_swing", pytest.param("dfki_double_pendulum", marks=pytest.mark.real_data("dfki_double_pendulum"))],
+    "name", ["bleex_swing", pytest.param("dfki_double_pendulum", marks=pytest.mark.real_data("dfki_double_pendulum"))]
 )
 def test_logs_without_a_wearer_are_not_worn(name):
     data = getattr(exoid.datasets, name)()
