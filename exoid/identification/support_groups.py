@@ -15,7 +15,7 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.torques.contacts import Split, split
-from exoid.torques.contacts.imu import ROCKS, beside, late
+from exoid.torques.contacts.imu import ROCKS, beside
 from exoid.torques.contacts.stretches import EDGE
 from exoid.torques.contacts.support_model import SupportModel
 
@@ -99,13 +99,8 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
 
 def _split_session(leg: Leg, data: Sequence[Recording], preparation: Preparation) -> tuple[list[Split], list[Finding]]:
     """Split recordings that have one sensor on the base, and say what is wrong with it."""
-    every, findings = [split(leg, one, preparation) for one in data], list[Finding]()
-    if delay := late(np.sum([parts.turns for parts in every], axis=0)):
-        data = [_without_delay(one, delay) for one in data]
-        every = [split(leg, one, preparation) for one in data]
-        text = f"feet tell that the base's sensor reads {1e3 * delay:.0f} ms later than the angles; it was moved"
-        findings.append(Finding("imu-delay", "", delay, "s", "warning", text, "stamp both with one clock"))
-    findings += _places(data, every)
+    every = [split(leg, one, preparation) for one in data]
+    findings = list(_places(data, every))
     # A recording in which no foot rests, as in a swing, has the bias of that one of the session which knows it best
     known = [parts.imu for parts in every if parts.imu is not None and not parts.imu.rocks]
     apart = float(np.std([errors.force_bias for errors in known], axis=0).max()) if known else 0.0
@@ -160,6 +155,10 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
         for foot, x in parts.late.items()
     ]
+    if parts.imu is not None and (delay := parts.imu.delay):
+        when = f"{abs(1e3 * delay):.0f} ms {'later' if delay > 0.0 else 'earlier'} than the angles"
+        text = f"feet tell that the base's sensor reads {when}; it was moved"
+        late.append(Finding("imu-delay", "", delay, "s", "warning", text, "stamp both with one clock", recording=name))
     if parts.imu is not None and parts.imu.rocks:
         late.append(rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
     return late + [
@@ -171,13 +170,6 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         for kind, share, many, message, remedy in rows
         if share > 0.0
     ]
-
-
-def _without_delay(recording: Recording, delay: float) -> Recording:
-    """Move readings of the base's sensor against the angles; at the end they keep their last value."""
-    even = recording.resampled()
-    at = np.clip(even.time + delay, even.time[0], even.time[-1])
-    return even if even.base is None else replace(even, base=even.base.interpolated(even.time, at))
 
 
 def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:

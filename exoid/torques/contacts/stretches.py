@@ -21,7 +21,7 @@ from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import wrenches_on_links
 
 from .elimination import Elimination, eliminate
-from .imu import CorrectedBase, ImuErrors, imu_errors, refuse_turned, turns_on_feet
+from .imu import CorrectedBase, ImuErrors, imu_errors, late, refuse_turned, turns_on_feet
 from .kinds import foot_of, on_time, refuse_overdetermined, touch_downs, whole_feet
 from .sliding import LOOK, Slip, sliding, slipping
 from .standing_base import level_rotation, standing_base, standing_reading
@@ -214,11 +214,18 @@ def _without_bias(
     base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
     if base is None or not leg.base_rows:
         return raw, imu, slip, np.zeros((5, 5))
-    still, corrected = {link: standing_reading(leg, raw, link, base.position) for link in soles}, base
+    still = {link: standing_reading(leg, raw, link, base.position) for link in soles}
     refuse_turned(leg, raw, still, soles)
+    turns = turns_on_feet(base, still, soles, rate)
+    delay = late(turns) or (0.0 if session is None else session.delay)
+    if delay and base.pose is None:  # a pose is as late as wrenches in axes of the laboratory
+        base = base.interpolated(raw.time, np.clip(raw.time + delay, raw.time[0], raw.time[-1]))
+        turns = turns_on_feet(base, still, soles, rate)
+    corrected = base
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
         imu = imu_errors(base, still, rests, rate) if tell and not base.calibrated else None
+        imu = None if imu is None else imu._replace(delay=delay)
         errors = session if imu is None or imu.rocks else imu
         if errors is not None and not base.calibrated:
             corrected = errors.corrected(base)
@@ -228,7 +235,7 @@ def _without_bias(
         slip = sliding(corrected, still, soles, rate) if raw.contacts else slip
         if not slip.slides.any():
             break
-    return replace(raw, base=corrected), imu, slip, turns_on_feet(base, still, soles, rate)
+    return replace(raw, base=corrected), imu, slip, turns
 
 
 def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], rows: Elimination) -> None:

@@ -204,7 +204,7 @@ def test_a_sensor_that_is_elsewhere_is_named(exo, stance, height, severity):
 def test_a_sensor_that_is_late_is_named_and_moved(exo, stance):
     """Before, feet were said to rock, and no bias was taken out."""
     logs = [with_imu(log, k) for k, log in enumerate(stance)]
-    for samples, named in ((0, []), (12, ["imu-delay"])):
+    for samples, named in ((0, []), (12, 3 * ["imu-delay"])):
         late = [replace(log, base=log.base.rows(np.maximum(np.arange(len(log)) - samples, 0))) for log in logs]
         found = identify(exo, late, TERMS)
         told = [one for one in found.findings if one.kind in ("imu-delay", "rocking-foot", "imu-position")]
