@@ -134,57 +134,64 @@ def refuse_turned(
     leg: Leg, log: Recording, still: Mapping[str, StandingBase], resting: Mapping[str, NDArray[np.bool_]]
 ) -> None:
     """Refuse what other axes of the sensor of the base, another foot, or other angles explain far better."""
-    # Feet may roll, and sensors be biased: only what is far nearer for most of the time counts
     base, rate = log.base, log.sample_rate
     assert base is not None
-    read, *told = (_weighted(one, rate) for one in (base, *still.values()))
-    dead = not np.ptp(base.angular_velocity, axis=0).any()
-    for link, said in zip(still, told, strict=True):
+    for link, stands in still.items():
         alone = resting[link] & ~np.any([flags for other, flags in resting.items() if other != link], axis=0)
         rows = np.flatnonzero(alone if np.count_nonzero(alone) > LEAST * rate else resting[link])
         if len(rows) < LEAST * rate:
             continue
         rows = rows[:: 1 + len(rows) // 2000]
-        limit = min(NEARER * apart, TURNING) if (apart := _apart(read[rows], said[rows])) > LEANS else 0.0
-        turned = [_apart(read[rows], (said[rows].reshape(-1, 2, 3) @ turn.T).reshape(-1, 6)) for turn in AXES]
-        feet = {other: _apart(read[rows], x[rows]) for other, x in zip(still, told, strict=True)}
-        better = [other for other, x in feet.items() if x < limit and not resting[other][rows].any()]
-        if dead and said[rows, :3].std(axis=0).max() > TURNING / 3.0:
+        read, said = (_weighted(one, rate, rows) for one in (base, stands))
+        # Feet may roll, and sensors be biased: only what is far nearer for most of the time counts
+        apart = _apart(read, said)
+        what, remedy, least = "", "", min(NEARER * apart, TURNING)
+        if not np.ptp(base.angular_velocity, axis=0).any() and said[:, :3].std(axis=0).max() > TURNING / 3.0:
             what = f"the gyroscope of the base reads the same at all samples, while the base turns on {link}"
             remedy = "look at the connection of the sensor, or leave its columns out: feet then tell the motion"
-        elif min(turned) < limit:
-            best = AXES[int(np.argmin(turned))].T
-            axes = ", ".join(("-" if sum(x) < 0.0 else "") + "xyz"[int(np.argmax(np.abs(x)))] for x in best)
-            what = f"the base's sensor turns against {link}, which stands: x, y and z of the root link are its {axes}"
-            remedy = "give readings in the axes of the root link (rotation=, or other columns and signs)"
-        elif better:
-            what = f"the base moves as if {better[0]} stood, and the log says that {link} does"
-            remedy = "interchange the contacts of the feet, or the angles of the legs; or a switch is inverted"
-        elif limit:
-            other = {x: standing_reading(leg, one, link, base.position) for x, one in _other_angles(log)}
-            left = {x: _apart(read[rows], _weighted(one, rate)[rows]) for x, one in other.items()}
-            what = f"the base moves on {link} as if {min(left, key=left.__getitem__)}"
-            remedy = "map the columns by name (columns=, --column NAME=HEADER), or negate the angle"
-            if min(left.values()) > limit:
-                continue
-        else:
-            continue
-        raise UnreadableInputError(what, where=log.file_name, remedy=remedy)
+        elif apart > LEANS:
+            others = {other: x for other, x in still.items() if not resting[other][rows].any()}
+            for other, meaning, advice in _explanations(leg, log, link, said, others, rows):
+                if (left := _apart(read, other)) < least:
+                    what, remedy, least = meaning, advice, left
+        if what:
+            raise UnreadableInputError(what, where=log.file_name, remedy=remedy)
 
 
-def _other_angles(log: Recording) -> Iterator[tuple[str, Recording]]:
-    """Interchange the angles of any two joints, and turn the sign of any one."""
+def _explanations(
+    leg: Leg,
+    log: Recording,
+    link: str,
+    said: FloatArray,
+    others: Mapping[str, StandingBase],
+    rows: NDArray[np.intp],
+) -> Iterator[tuple[FloatArray, str, str]]:
+    """Say what a sensor of a base on a link would read with other axes, on another foot, and by other angles."""
+    assert log.base is not None
+    remedy, rate = "give readings in the axes of the root link (rotation=, or other columns and signs)", log.sample_rate
+    for turn in AXES:
+        axes = ", ".join(("-" if sum(x) < 0.0 else "") + "xyz"[int(np.argmax(np.abs(x)))] for x in turn.T)
+        what = f"the base's sensor turns against {link}, which stands: x, y and z of the root link are its {axes}"
+        yield (said.reshape(-1, 2, 3) @ turn.T).reshape(-1, 6), what, remedy
+    remedy = "interchange the contacts of the feet, or the angles of the legs; or a switch is inverted"
+    for other, stands in others.items():
+        what = f"the base moves as if {other} stood, and the log says that {link} does"
+        yield _weighted(stands, rate, rows), what, remedy
     names, every = log.joint_names, np.arange(log.q.shape[1])
+    changes = {f"the angle of {names[j]} had the other sign": np.where(every == j, -log.q, log.q) for j in every}
     for j, k in combinations(every.tolist(), 2):
         order = np.where(every == j, k, np.where(every == k, j, every))
-        yield f"the angles of {names[j]} and {names[k]} were interchanged", replace(log, q=log.q[:, order])
-    for j in every.tolist():
-        yield f"the angle of {names[j]} had the other sign", replace(log, q=np.where(every == j, -log.q, log.q))
+        changes[f"the angles of {names[j]} and {names[k]} were interchanged"] = log.q[:, order]
+    remedy = "map the columns by name (columns=, --column NAME=HEADER), or negate the angle"
+    for change, q in changes.items():
+        stands = standing_reading(leg, replace(log, q=q), link, log.base.position)
+        yield _weighted(stands, rate, rows), f"the base moves on {link} as if {change}", remedy
 
 
-def _weighted(base: BaseMotion, rate: float) -> FloatArray:
+def _weighted(base: BaseMotion, rate: float, rows: NDArray[np.intp]) -> FloatArray:
     """Smooth readings, with weights that make turns and pushes count alike, (N, 6)."""
-    return scipy.ndimage.gaussian_filter1d(base.columns * np.repeat([1.0, PUSH], 3), 0.04 * rate, axis=0)
+    smooth = scipy.ndimage.gaussian_filter1d(base.columns * np.repeat([1.0, PUSH], 3), 0.04 * rate, axis=0)
+    return np.asarray(smooth[rows])
 
 
 def _apart(read: FloatArray, said: FloatArray) -> float:
