@@ -38,7 +38,7 @@ ILL_CONDITIONED = 100.0
 HOPELESS = 300.0
 """and beyond this to a third."""
 
-OTHER, MOST = 0.1, 0.5
+OTHER, MOST = 0.2, 0.5
 """Logarithm of a factor from which on it is another scale, and least part of the squared residuals of a row that it
 explains, and of the rows that have it."""
 
