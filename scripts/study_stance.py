@@ -236,14 +236,14 @@ def _imu(change: np.ndarray, late: float = 0.0) -> Callable[[int, Recording], Re
 
 
 MISTAKES = {
-    "one log halved": (_halved, "torque-scale"),
+    "one log halved": (_halved, "torque-scale: all torques of recording 2"),
     "knees swapped": (_knees_swapped, "the angles of left_knee and right_knee were interchanged"),
     "feet swapped": (_feet_swapped, "the log says that"),
     "IMU turned": (_imu(np.diag([-1.0, -1.0, 1.0])), "-x, -y, z"),
     "IMU mirrored": (_imu(np.diag([-1.0, 1.0, 1.0])), "against the vertical of its accelerometer"),
     "IMU 30 ms late": (_imu(np.eye(3), IMU_LATE), "imu-delay"),
 }
-"""Mistakes of whole logs with an IMU, and part of the message or the kind that names them."""
+"""Mistakes of whole logs with an IMU, and what names them, part of a kind and message, or of an error."""
 
 
 def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]:
@@ -270,10 +270,8 @@ def faulty_walker(seed: int, seconds: float) -> list[tuple[str, str, str, bool]]
                 found.append((way, kind, name.split("_")[1], (kind, name) in told))
         for name, (mistake, said) in MISTAKES.items() if way == "IMU" else ():
             try:
-                told = [
-                    one.kind
-                    for one in identify(plant.leg, [mistake(k, log) for k, log in enumerate(logs)], TERMS).findings
-                ]
+                spoilt = [mistake(k, log) for k, log in enumerate(logs)]
+                told = [f"{one.kind}: {one.message}" for one in identify(plant.leg, spoilt, TERMS).findings]
             except ExoidError as error:
                 told = [str(error)]
             found.append((way, name, "", any(said in one for one in told)))

@@ -155,7 +155,7 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
         Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
         for foot, x in parts.late.items()
     ]
-    if parts.imu is not None and (delay := parts.imu.delay):
+    if delay := parts.delay:
         when = f"{abs(1e3 * delay):.0f} ms {'later' if delay > 0.0 else 'earlier'} than the angles"
         text = f"feet tell that the base's sensor reads {when}; it was moved"
         late.append(Finding("imu-delay", "", delay, "s", "warning", text, "stamp both with one clock", recording=name))

@@ -81,7 +81,7 @@ class ImuErrors(NamedTuple):
     std: FloatArray  # standard deviations of the six numbers above, in their order, (6,)
     rocks: float = 0.0  # angle by which the feet rock [rad, standard deviation], which then tell nothing
     turn: FloatArray = np.zeros((3, 3))  # mean turn of level axes into those of the base, while feet rested
-    delay: float = 0.0  # time by which it reads later than the angles, which was taken out before [s]
+    delay: float = 0.0  # time by which it reads later than the angles [s], which was taken out before
 
     def corrected(self, base: BaseMotion) -> BaseMotion:
         """Take the errors out of readings."""

@@ -76,6 +76,7 @@ class Split(NamedTuple):
         near: Time around a touch-down that was left out [s].
         late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
         turns: What turns on flat feet say of the base's sensor, (5, 5), see :func:`~.imu.turns_on_feet`.
+        delay: Time by which this sensor reads later than the angles [s], which was taken out; negative for earlier.
     """
 
     stretches: tuple[Stretch, ...]
@@ -85,6 +86,7 @@ class Split(NamedTuple):
     near: float
     late: Mapping[str, float]
     turns: FloatArray
+    delay: float
 
 
 def split(
@@ -114,7 +116,7 @@ def split(
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     recording, gaps = _without_gaps(recording)
-    recording, late = on_time(leg, recording)
+    recording, closed_late = on_time(leg, recording)
     rest, unknown = _contacts(leg, recording)
     counted = np.ones(len(recording), dtype=np.bool_) if recording.mask is None else recording.mask
     # so many samples before and after each touch-down and lift-off; the ends of a log are none
@@ -137,7 +139,7 @@ def split(
     feet = {link: flags & lasting for link, flags in rest.items() if link != leg.description.root_link}
     # a foot on a point or an edge does not say how the base stands
     soles = {link: flags for link, flags in feet.items() if leg.contact_kind(link) == "flat"}
-    recording, imu, slip, place = _without_bias(leg, recording, soles, session, tell=tell)
+    recording, imu, slip, turns, delay = _without_bias(leg, recording, soles, session, tell=tell)
     found, lost, floating = [], *np.zeros((2, len(recording)), dtype=np.bool_)
     moving, usual = ~still | slip.slides, steady if recording.base is not None else steady & still
     plates = [link for link in feet if link in recording.wrenches and leg.base_rows]
@@ -175,7 +177,7 @@ def split(
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted))) for part in parts))
-    return Split(tuple(found), left_out, imu, slip.visible, near, late, place)
+    return Split(tuple(found), left_out, imu, slip.visible, near, closed_late, turns, delay)
 
 
 def _stretch(
@@ -209,16 +211,17 @@ def _stretch(
 
 def _without_bias(
     leg: Leg, raw: Recording, soles: Mapping[str, BoolArray], session: ImuErrors | None, *, tell: bool
-) -> tuple[Recording, ImuErrors | None, Slip, FloatArray]:
-    """Take errors of the inertial measurement unit out that feet at rest tell; these errors, slips, and its turns."""
+) -> tuple[Recording, ImuErrors | None, Slip, FloatArray, float]:
+    """Take errors of the inertial measurement unit out that feet at rest tell; these, slips, its turns and delay."""
     base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
     if base is None or not leg.base_rows:
-        return raw, imu, slip, np.zeros((5, 5))
+        return raw, imu, slip, np.zeros((5, 5)), 0.0
     still = {link: standing_reading(leg, raw, link, base.position) for link in soles}
     refuse_turned(leg, raw, still, soles)
     turns = turns_on_feet(base, still, soles, rate)
-    delay = late(turns) or (0.0 if session is None else session.delay)
-    if delay and base.pose is None:  # a pose is as late as wrenches in axes of the laboratory
+    # a pose is as late as wrenches in axes of the laboratory, and stays
+    delay = 0.0 if base.pose is not None else late(turns) or (0.0 if session is None else session.delay)
+    if delay:
         base = base.interpolated(raw.time, np.clip(raw.time + delay, raw.time[0], raw.time[-1]))
         turns = turns_on_feet(base, still, soles, rate)
     corrected = base
@@ -235,7 +238,7 @@ def _without_bias(
         slip = sliding(corrected, still, soles, rate) if raw.contacts else slip
         if not slip.slides.any():
             break
-    return replace(raw, base=corrected), imu, slip, turns
+    return replace(raw, base=corrected), imu, slip, turns, delay
 
 
 def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], rows: Elimination) -> None:

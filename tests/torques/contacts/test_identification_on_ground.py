@@ -213,10 +213,19 @@ def test_a_sensor_that_is_late_is_named_and_moved(exo, stance):
         assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
 
 
+@pytest.mark.parametrize(("calibrated", "samples", "delay"), [(True, 12, 0.048), (False, -12, -0.048), (False, 0, 0.0)])
+def test_a_sensor_is_late_or_early_also_where_no_bias_is_looked_for(exo, stance, calibrated, samples, delay):
+    log = with_imu(stance[1], 1)
+    rows = np.clip(np.arange(len(log)) - samples, 0, len(log) - 1)
+    parts = split(exo, replace(log, base=replace(log.base.rows(rows), calibrated=calibrated)))
+    assert parts.delay == pytest.approx(delay, abs=0.004)
+    assert (parts.imu is None) == calibrated
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.0, 0.5, 1.3])
 def test_a_recording_whose_torques_have_another_scale_is_named(exo, stance, factor):
-    """Before, parameters were off by 87 standard deviations without a word."""
+    """Before, parameters of a walker were off by 87 standard deviations without a word."""
     logs = [with_imu(log, k) for k, log in enumerate(stance)]
     logs[1] = replace(logs[1], tau=factor * logs[1].tau)
     told = [one for one in exoid.identify(exo, logs, terms=TERMS).findings if one.kind == "torque-scale"]
