@@ -236,7 +236,7 @@ def _imu(change: np.ndarray, late: float = 0.0) -> Callable[[int, Recording], Re
 
 
 MISTAKES = {
-    "one log halved": (_halved, "torque-scale: all torques of recording 2"),
+    "one log halved": (_halved, "torque-scale: all torques of a recording of"),
     "knees swapped": (_knees_swapped, "the angles of left_knee and right_knee were interchanged"),
     "feet swapped": (_feet_swapped, "the log says that"),
     "IMU turned": (_imu(np.diag([-1.0, -1.0, 1.0])), "-x, -y, z"),

@@ -48,16 +48,18 @@ named beside it. Scales of 1.1 and angles 3° off explain 0.18."""
 
 def other_scales(fitted: Fitted) -> Iterator[Finding]:
     """Find recordings in which all torques have another scale than in the others."""
-    logs = defaultdict[tuple[str, bytes], list[FloatArray]](list)  # supports of a recording share its angles
+    sums = defaultdict[bytes, list[FloatArray]](list)  # supports of a recording share its angles
+    logs = dict[bytes, tuple[str, str]]()
     for k, group in enumerate(fitted.problem.groups):
         for index, one in enumerate(group.motions):
-            rows = group.decimated(index)
+            rows, key = group.decimated(index), one.q.tobytes()
             left = residual(rows, fitted.values(k))
             fit = np.where(rows.usable, rows.tau, 0.0) - left
-            logs[one.file_name, one.q.tobytes()].append(np.sum([fit * fit, fit * left, left * left], axis=1))
-    for number, ((name, _), sums) in enumerate(logs.items(), 1):
-        if (scale := other_scale(np.hstack(sums))) != 1.0:
-            text = f"all torques of {name or f'recording {number}'} are {scale:.2g} times what the other logs say"
+            sums[key].append(np.sum([fit * fit, fit * left, left * left], axis=1))
+            logs.setdefault(key, (one.file_name, f"a recording of {one.duration:.4g} s with {group.links}"))
+    for key, (name, described) in logs.items():
+        if (scale := other_scale(np.hstack(sums[key]))) != 1.0:
+            text = f"all torques of {name or described} are {scale:.2g} times what the other logs say"
             remedy = "look for another unit or scale of this log, or a load that it lacks (payloads=)"
             yield Finding("torque-scale", "", scale, "1", "error", text, remedy, None, fitted.problem.names, name)
 

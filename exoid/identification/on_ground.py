@@ -57,7 +57,7 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
             fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
             if (np.abs(footing.found.values - before.found.values) <= np.sqrt(np.diag(footing.found.covariance))).all():
                 break
-    # a zero of an angle that is off may look like another scale of a log, but not the other way round
+    # a zero of an angle that is off may look like another scale of a log: joints come first
     faults = (tuple(joint_faults(fitted, footing)) or tuple(other_scales(fitted))) if check else ()
     if footing is not None:
         if not faults:  # a foot that leans otherwise at each time would explain them, too, with many numbers

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding
@@ -173,13 +175,17 @@ def _left_out(parts: Split, recording: Recording) -> list[Finding]:
 
 
 def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:
-    """Say where the base's sensor is, if all recordings together tell that it is not where they say."""
-    if size := float(np.linalg.norm(aside := beside(np.sum([parts.turns for parts in every], axis=0)))):
-        said = next(one.base.position for one in data if one.base is not None)
-        place = ", ".join(f"{x:.2f}" for x in said + aside)
-        text = f"the base's sensor is {1e3 * size:.0f} mm from where the log says, as turns of the base on feet tell"
-        advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=...), --base-position"
-        yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
+    """Say where the base's sensor is, if all recordings with it at one place tell that it is not where they say."""
+    turns = defaultdict[tuple[float, ...], FloatArray](lambda: np.zeros((5, 5)))
+    for one, parts in zip(data, every, strict=True):
+        if one.base is not None:
+            turns[tuple(one.base.position.tolist())] += parts.turns
+    for position, total in turns.items():
+        if size := float(np.linalg.norm(aside := beside(total))):
+            place = ", ".join(f"{x:.2f}" for x in position + aside)
+            text = f"turns of the base on feet tell that its sensor is {1e3 * size:.0f} mm from where the log says"
+            advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=), --base-position"
+            yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
 
 
 def rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:
