@@ -49,7 +49,6 @@ def simulate_law(
     duration: float,
     *,
     start: ArrayLike | None = None,
-    name: str | None = None,
     **options: Unpack[SimulationOptions],
 ) -> Tracking:
     """Simulate one rig that follows a reference under a controller.
@@ -60,7 +59,6 @@ def simulate_law(
         reference: Reference to follow.
         duration: Duration [s].
         start: Initial angles, at rest [rad], (n,); None to begin on the reference, with its velocity.
-        name: Name of the controller in tables; None for its class.
         **options: ``sensors``, ``settle``, ``log_rate``, ``seed``, ``wearer`` and ``progress`` of
             :func:`simulate_many`.
 
@@ -74,8 +72,7 @@ def simulate_law(
     if plant.count != 1:
         raise BadArgumentError(f"a plant of {plant.count} rigs", remedy="use simulate_many, or plant.take([k])")
     beginning = None if start is None else np.asarray(start, dtype=np.float64).reshape(-1, 1)
-    names = None if name is None else (name,)
-    return simulate_many(plant, law, reference, duration, start=beginning, names=names, **options)[0]
+    return simulate_many(plant, law, reference, duration, start=beginning, **options)[0]
 
 
 def simulate_many(

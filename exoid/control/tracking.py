@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
-from exoid.rig import Energy, Run
+from exoid.rig import Run
 from exoid.signals import Recording
 from exoid.tools.json_values import attributes
 from exoid.tools.read_only import ReadOnly
@@ -33,10 +33,8 @@ class Tracking(ReadOnly):
         v: True velocities [rad/s], (N, n).
         tau: True torques, each the one held until that moment [N·m], (N, n).
         recording: Log of the sensors.
-        audit: Energy balance of the whole run, summed over joints.
         settle: Time at the beginning that the metrics leave out [s].
         interaction: True torque of the wearer on the leg [N·m], (N, n); None without wearer.
-        limb_q: True angles of the wearer's limb [rad], (N, n); None without wearer.
     """
 
     law: str
@@ -48,10 +46,8 @@ class Tracking(ReadOnly):
     v: FloatArray
     tau: FloatArray
     recording: Recording
-    audit: Energy
     settle: float = 0.0
     interaction: FloatArray | None = None
-    limb_q: FloatArray | None = None
 
     @property
     def error(self) -> FloatArray:
@@ -142,8 +138,6 @@ def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:
     """Take one rig out of a run."""
-    energy = run.energy
-    worn = {name: None if (x := getattr(run, name)) is None else x[..., rig] for name in ("interaction", "limb_q")}
     return Tracking(
         law=law,
         rate=rate,
@@ -154,9 +148,8 @@ def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tra
         v=run.v[..., rig],
         tau=run.tau[..., rig],
         recording=run.recording(rig, velocity=True),
-        audit=Energy(*(each[rig] for each in energy)),
         settle=settle,
-        **worn,
+        interaction=None if run.interaction is None else run.interaction[..., rig],
     )
 
 

@@ -14,9 +14,6 @@ from exoid._typing import FloatArray
 LARGEST_ORDER = 30
 """Autoregressive orders up to this are compared."""
 
-TINY = 1e-30
-"""Smallest variance of weighted rows to divide by: silence, whose whitened rows stay far from an overflow."""
-
 
 @dataclass(frozen=True, eq=False)
 class AutoregressiveNoise:

@@ -141,17 +141,8 @@ def turn_upright(up: ArrayLike) -> FloatArray:
         >>> turn_upright((0.0, 1.0, 0.0)) @ (0.1, 1.0, 0.2)
         array([ 0.1, -0.2,  1. ])
     """
-    x, y, z = checks.as_direction(up)
-    if z < -1.0 + 1e-9:
-        return np.diag([1.0, -1.0, -1.0])
-    # Rodrigues' formula about up × z = (y, −x, 0)
-    return np.array(
-        [
-            [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), -x],
-            [-x * y / (1.0 + z), 1.0 - y * y / (1.0 + z), -y],
-            [x, y, z],
-        ]
-    )
+    turn, _ = scipy.spatial.transform.Rotation.align_vectors([[0.0, 0.0, 1.0]], [checks.as_direction(up)])
+    return np.asarray(turn.as_matrix())
 
 
 def twice_imaginary(h: FloatArray, other: FloatArray) -> FloatArray:

@@ -156,7 +156,6 @@ def test_the_law_receives_what_the_cuffs_measure():
 def test_nobody_feels_anything_in_an_unworn_leg():
     run = simulate_law(RUBBING, pd(20.0, 2.0), GAIT, 0.5)
     assert run.interaction is None
-    assert run.limb_q is None
     assert "wearer" not in str(run)
     assert "rms_interaction" not in run.to_json()
     with pytest.raises(ExoidError, match="nobody wears this leg"):

@@ -81,7 +81,7 @@ def _bodies(model: GroundModel) -> list[ArrayInC]:
     middles = [plane @ data.oMf[frame].translation - places[body] for body, frame, _ in soles]
     return [
         ArrayInC("gravity", "upwards [m/s^2]", np.array([0.0, GRAVITY])),
-        ArrayInC("hip", "point of the base's coordinates [m]", plane @ model.leg.model.jointPlacements[1].translation),
+        ArrayInC("hip", "point of the base's coordinates [m]", plane @ model.leg.hip),
         ArrayInC("parent", "parent of each body, the torso first", parents),
         ArrayInC("carries", "how joints turn each body, positive like the pitch", carries),
         ArrayInC("origin", "place of each body in its parent [m]", places - places[parents]),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -190,7 +190,7 @@ class StanceLaw:
         cones, caps = slice(None, -len(rows)), slice(-len(rows), None)
         # a seat that is left may have to bear more than its share: then shares yield, and no foot slips or tips
         groups = [Rows(T @ N, least, most), *(Rows(F[part] @ N, low[part], top[part]) for part in (cones, caps))]
-        y, feasible = minimise(self._daqp, A @ N, b - A @ x, groups)
+        y, feasible = minimise(A @ N, b - A @ x, groups)
         x = x + N @ y
         torque = np.clip(T @ x + bias[joints] + added, -limit, limit)
         parts = np.split(weight * x[BASE + n :], np.cumsum([len(each.J) for each in rows[:-1]]))
@@ -292,11 +292,6 @@ class StanceLaw:
         """Weight of the machine [N], by which forces are scaled."""
         q = np.zeros(self.model.n)
         return max(1.0, float(abs(self.model.dynamics(q, q, 0.0, 0.0).h[1])))
-
-    @cached_property
-    def _daqp(self) -> Any:  # noqa: ANN401 - a module
-        """Solver of quadratic programs."""
-        return require_daqp()
 
 
 def stance(

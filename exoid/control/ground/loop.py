@@ -250,7 +250,7 @@ class CoordinatedLoop(LawLoop):
         """Take in how fast the soles that bear move by the accelerometer, and how much friction they had."""
         model, dt, angle = self.law.model, 1.0 / self.coordinator.rate, reading.pitch - self.lean
         axes = model.leg.plane.forward + 1j * model.leg.plane.up  # a vector (forward, up) is a complex number
-        hip = axes @ model.leg.model.jointPlacements[1].translation
+        hip = axes @ model.leg.hip
         rates = np.append(reading.pitch_rate * np.array([-hip.imag, hip.real, 1.0]), reading.v)
         pose = reading.q, reading.v, reading.pitch, reading.pitch_rate
         speeds = {

@@ -136,7 +136,7 @@ class GroundModel(ControlModel):
     def _base(self) -> FloatArray:
         """Twist of the root link and joints per unit of each coordinate, (6 + n, 3 + n)."""
         out = np.zeros((6 + self.n, BASE + self.n))
-        out[:6, :BASE] = planar_coordinates(self.leg.plane, self.leg.model.jointPlacements[1].translation)
+        out[:6, :BASE] = planar_coordinates(self.leg.plane, self.leg.hip)
         out[6:, BASE:] = np.eye(self.n)
         return out
 

@@ -39,17 +39,18 @@ class Minimum(NamedTuple):
     feasible: bool  # whether at most the inequalities of the last group are violated
 
 
-def minimise(daqp: Any, A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> Minimum:  # noqa: ANN401
+def minimise(A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> Minimum:
     """Minimise |A y − b|² under groups of inequalities.
 
     If no y fulfils all, the last group is violated as little as need be, then the one before it, too; never the first.
     """
+    solver = require_daqp()
     rows, lower, upper = (np.concatenate(parts) for parts in zip(*groups, strict=True))
     sizes = [len(group.upper) for group in groups]
     for softened in range(len(groups)):  # a soft constraint that is active is always violated a little
         kinds = [HARD] * (len(groups) - softened) + [SOFT] * softened
         sense = np.repeat(np.array(kinds, dtype=np.intc), sizes)
-        y, _, exit_flag, _ = daqp.solve(A.T @ A, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
+        y, _, exit_flag, _ = solver.solve(A.T @ A, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
         if exit_flag > 0:
             return Minimum(np.asarray(y), softened < 2)
     # numbers that no solver takes: the torque is clipped in the end

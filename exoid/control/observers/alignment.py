@@ -33,11 +33,7 @@ class JointFilter:
 
     def settled(self, x: FloatArray) -> FloatArray:
         """Make the memory after an input that was constant for ever, (m, *x.shape)."""
-        y = self.b.sum() / self.a.sum() * x
-        memory = np.zeros((self.order + 1, *x.shape))
-        for k in range(self.order, 0, -1):
-            memory[k - 1] = memory[k] + self.b[k] * x - self.a[k] * y
-        return memory[:-1]
+        return np.multiply.outer(scipy.signal.lfilter_zi(self.b, self.a), x)
 
     def run(self, memory: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Filter consecutive samples (N, ...); also the memory after them."""
