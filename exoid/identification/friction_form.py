@@ -12,6 +12,7 @@ from exoid._typing import FloatArray
 from exoid.estimate.model_error import COUNT, KINDS, ModelError
 from exoid.regression.diagnostics import JointNoise
 from exoid.regression.least_squares import scaled_inverse
+from exoid.regression.residuals import matrix_root
 from exoid.regression.row_data import Rows
 
 from .findings.checkup import Checkup
@@ -44,7 +45,7 @@ def friction_form_error(
         H += share * X.T @ X
         h += share * X.T @ joint.residual
     unit = np.concatenate([joint.unit for joint in joints])
-    L = _root(_average(H, h, unit, len(joints)), np.divide(1.0, unit, out=np.ones(size), where=unit > 0.0))
+    L = matrix_root(_average(H, h, unit, len(joints)))
     error = ModelError(speed, -G @ L, L.reshape(len(joints), COUNT, -1), np.zeros(len(joints)))
     count = np.maximum(sum(one.usable.sum(axis=0) for one in rows), 1)
     explained = sum((error.variance(one.W) * one.usable).sum(axis=0) for one in rows) / count
@@ -101,11 +102,3 @@ def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> Flo
         inner = np.diag(of_kind @ shrunk) + (means.T * of_kind) @ means
         total[np.ix_(chosen, chosen)] += vectors @ inner @ vectors.T
     return total
-
-
-def _root(moment: FloatArray, scale: FloatArray) -> FloatArray:
-    """L with L Lᵀ = E[c cᵀ], without directions that hardly matter in units of the joints' torques, (n K, r)."""
-    scale = np.where(scale > TINY, scale, 1.0)
-    sizes, vectors = np.linalg.eigh(scale[:, None] * moment * scale)
-    kept = sizes > 1e-9 * max(sizes[-1], TINY)
-    return np.asarray((vectors[:, kept] * np.sqrt(sizes[kept])) / scale[:, None])

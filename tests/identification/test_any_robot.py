@@ -4,6 +4,7 @@ CI runs few replicates; ``EXOID_FULL_STUDIES=1 pytest -s -m '' tests/identificat
 and prints coverage with its Monte-Carlo error.
 """
 
+import dataclasses
 import os
 
 import numpy as np
@@ -50,6 +51,13 @@ def test_without_what_acts_beside_the_rigid_bodies_it_is_not(arm):
     noise = arm.noise_of(11)
     rmse = exoid.validate(estimate, arm.recording(TEST, noise)).rmse
     assert (rmse > 1.5 * rms_behind_filter(noise, arm.rate)).all()
+
+
+def test_a_torque_of_wrong_sign_is_named_where_no_parameter_is_positive_by_nature(arm):
+    log = arm.recording(TRAIN, arm.noise_of(10))
+    signs = np.where(np.arange(len(arm.leg.joint_names)) == 1, -1.0, 1.0)
+    found = exoid.check(arm.leg, dataclasses.replace(log, tau=signs * log.tau), ())
+    assert arm.leg.joint_names[1] in [one.joint for one in found if one.kind == "torque-sign"]
 
 
 def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concerned(arm):

@@ -78,7 +78,8 @@ def fit_torques(
         )
         scale = column_scale(R[:, :-1])
         A, b = R[:, :-1] / scale, R[:, -1]
-        positive, _ = scipy.optimize.nnls(A[others:, others:], b[others:])
+        # without columns SciPy 1.17 frees memory twice, which ends the process
+        positive = scipy.optimize.nnls(A[others:, others:], b[others:])[0] if len(last) > others else np.zeros(0)
         rest = scaled_lstsq(A[:, :others], b - A[:, others:] @ positive)
         x[columns] = np.append(rest, positive) / scale
         left = np.array([np.linalg.norm(t - W @ x) for W, t in rows])

@@ -36,6 +36,9 @@ that of other faults, and it matters from half their move on. Chosen on the prov
 place that asks for it names one to three of 40 machines more."""
 
 
+SCALES = ("torque-scale", "angle-scale")
+
+
 class Fault(NamedTuple):
     """Size of a fault beside all others, and what it does to the parameters."""
 
@@ -78,11 +81,13 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
             if best.is_corrected:
                 most = KINDS[best.kind].most
                 delta = float(np.clip(likely[0].delta[0], -most, most))
+                # a fit that has taken part of a scale into its parameters asks for too small a factor, or too large
+                delta = float(np.expm1(delta)) if best.kind == "torque-scale" else delta
                 fitted = fitted._replace(
                     data=tuple(_corrected(one, best, delta, fitted.clock_start(one)) for one in fitted.data)
                 )
             applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
-            beside.faults[best] = applied + delta, others
+            beside.faults[best] = _together(best, applied, delta), others
             if best.is_corrected:
                 again = gather(fitted._replace(values=State.of(beside.evidence, beside.staying()).values))
                 beside = beside._replace(evidence=reduce(with_change, changes, again))
@@ -126,6 +131,11 @@ class _Beside(NamedTuple):
         return self.fit(fault, like=full).test(fault, plain), plain
 
 
+def _together(fault: Nuisance, applied: float, delta: float) -> float:
+    """Size of a fault of which a part was taken out before: scales multiply."""
+    return (1.0 + applied) * (1.0 + delta) - 1.0 if fault.kind in SCALES else applied + delta
+
+
 def _is_late(score: Score) -> bool:
     """Whether a fault is a torque that is late by far, as a mistake of recording makes it."""
     return score.nuisance.kind == "torque-delay" and float(score.delta[0]) > LATE
@@ -133,7 +143,7 @@ def _is_late(score: Score) -> bool:
 
 def _is_scaled(score: Score) -> bool:
     """Whether a fault is a torque or an angle out of scale that explains much."""
-    return score.nuisance.kind in ("torque-scale", "angle-scale") and score.gain > LARGE_GAIN
+    return score.nuisance.kind in SCALES and score.gain > LARGE_GAIN
 
 
 def _counts(score: Score, limit: float) -> bool:
@@ -191,11 +201,10 @@ def _sized(beside: _Beside, full: State, fault: Nuisance, forms: Sequence[int]) 
     count = len(evidence.fixed)
     reach = np.zeros(count) if fault.kind != "unmodelled-force" else plain.reach(fault.columns, score.delta, forms)
     if fault.is_corrected:
-        total = applied + score.delta[:1]
-        t = float(total[0]) / max(float(score.std[0]), 1e-300)
-        move = -plain.moved(fault.columns, total)
-        p_value = p_value_of(np.array([t]), np.eye(1), score.dof)
-        score = score._replace(delta=total, p_value=p_value, move=move)
+        total = np.array([_together(fault, applied, float(score.delta[0]))])
+        std = score.std * (1.0 + applied) if fault.kind in SCALES else score.std
+        p_value = p_value_of(total / np.maximum(std, 1e-300), np.eye(1), score.dof)
+        score = score._replace(delta=total, std=std, p_value=p_value, move=-plain.moved(fault.columns, total))
     torque = torque_shares(evidence.factors, count + np.array(fault.columns), score.delta[:, None])
     change = torque_shares(evidence.factors, np.arange(count), score.move[:, None])
     predicts = _predicts(beside, fault, plain, float(score.delta[0]) if fault.is_corrected else 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,14 +31,12 @@ class Candidate:
     name: str  # short name for tables
     terms: tuple[Term, ...]  # terms of the torque model
     known: Mapping[str, float]  # parameters that are held: those that are known, and at zero coefficients left out
-    delay: str | None = None  # "auto" to take delays out of the torques
-    numbers: int = 0  # number of parameters that it fits, and of settings that were chosen
-    nrmse: FloatArray = field(default_factory=lambda: np.zeros(0))  # NRMSE of each joint over all folds, (n,)
-    # NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,)
-    folds: FloatArray = field(default_factory=lambda: np.zeros(0))
-    # NRMSE of the fastest seconds predicted from the slower ones, (n,); not a number where these do not suffice
-    extrapolation: FloatArray = field(default_factory=lambda: np.zeros(0))
-    failure: str = ""  # why it could not be fitted; empty if it could
+    delay: str | None  # "auto" to take delays out of the torques
+    numbers: int  # number of parameters that it fits, and of settings that were chosen
+    failure: str  # why it could not be fitted; empty if it could
+    nrmse: FloatArray  # NRMSE of each joint over all folds, (n,)
+    folds: FloatArray  # NRMSE averaged over the joints, of each fold, relative to the torque of the whole, (K,)
+    extrapolation: FloatArray  # of the fastest seconds predicted from the others, (n,); not a number if these are few
 
     @property
     def fast(self) -> float:
@@ -136,18 +134,17 @@ def _scored(search: Search, name: str, choice: Choice) -> Candidate:
         friction += terms_of((*columns, *absent(columns)), joint)
         zero += [*zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))]
     terms, delay = (*friction, Armature(), *search.beside), "auto" if search.late else None
-    candidate = Candidate(name, terms, {**dict.fromkeys(zero, 0.0), **search.known}, delay)
+    known = {**dict.fromkeys(zero, 0.0), **search.known}
     try:  # joints are loaded by the rigid bodies of the choice
         design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])
         found = held_out_errors(design, search.recordings, search.folds)
     except ExoidError as error:
         nothing, folds = np.full(len(choice.columns), np.nan), np.full(search.folds, np.nan)
-        return replace(candidate, nrmse=nothing, folds=folds, extrapolation=nothing, failure=error.what)
+        return Candidate(name, terms, known, delay, 0, error.what, nothing, folds, nothing)
     failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
     settings = [{(key, getattr(c, key)) for c in one for key in ("length", "velocity")} for one in choice.columns]
     numbers = len(choice.base) + sum(map(len, choice.columns)) + sum(bool(x) for one in settings for _, x in one)
-    numbers -= len(search.known)
-    return replace(candidate, numbers=numbers, failure=failure, **found._asdict())
+    return Candidate(name, terms, known, delay, numbers - len(search.known), failure, *found)
 
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:

@@ -122,7 +122,12 @@ FAULTS = {
     },
     "N·mm": Fault(scaled(1000.0), "torque-scale", None, about(1000.0, 100.0), "N·mm"),
     "another unit": Fault(scaled(0.05), "torque-scale", None, about(0.05, 0.005)),
-    "scale of one torque": Fault(column("tau", 1, lambda x: 1.2 * x), "torque-scale", 1, about(1.2, 0.03)),
+    **{
+        f"a torque {k} times as large": Fault(
+            column("tau", j, lambda x, k=k: k * x), "torque-scale", j, about(k, 0.03), "", name
+        )
+        for k, j, name in ((1.2, 1, "bleex"), (0.5, 2, "bleex"), (3.0, 1, "bleex"), (0.5, 1, "cuhk"))
+    },
     "degrees": Fault(column("q", 1, np.rad2deg), "angle-scale", 1, about(57.3, 0.1)),
     "scale of one angle": Fault(column("q", 1, lambda x: 1.1 * x), "angle-scale", 1, about(1.1, 0.02)),
     **{
