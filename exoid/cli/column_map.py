@@ -30,17 +30,7 @@ TABLES: dict[str, tuple[str, Any, str]] = {
 DRIVES = "actuators"
 """Tables of the drives, as in a file for ``--actuators``: ``[actuators.knee]``."""
 
-KEYS = (
-    "degrees",
-    "gaps",
-    "topic",
-    "received",
-    "mask",
-    "passive",
-    "unmeasured",
-    "base_position",
-    "wrench",
-)
+KEYS = ("degrees", "gaps", "topic", "received", "mask", "passive", "unmeasured", "base_position", "wrench")
 """Options that are those of a laboratory; others are those of one log."""
 
 AS_THEY_STAND = "none"

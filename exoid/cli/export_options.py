@@ -28,12 +28,7 @@ class Target(NamedTuple):
         header = None
         if self.c is not None and self.law is not None:
             header = Path(self.c).with_name(f"{identifier(self.c)}.h")
-        return {
-            "--output": self.output,
-            "--c": self.c,
-            "the header of --c": header,
-            "--mjcf": self.mjcf,
-        }
+        return {"--output": self.output, "--c": self.c, "the header of --c": header, "--mjcf": self.mjcf}
 
 
 class LinkOptions(NamedTuple):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from typer import Option
 
 import exoid
 
+from .column_map import columns_of
 from .inputs import read_drives, read_logs
 from .legs import find_leg, refuse_unknown_leg
 from .numbers import parse_known
@@ -56,5 +58,5 @@ def select(
         select_terms = exoid.identification.select_terms
         selection = select_terms(found, recordings, folds=folds, cutoff=cutoff, known=values, progress=progress)
     if output is not None:
-        selection.estimate.save(output)
+        replace(selection.estimate, columns=columns_of(reading)).save(output)
     print_result(f"{selection}\n\n{selection.estimate}", as_json=as_json, data=selection.to_json())

@@ -37,12 +37,6 @@ def wear(
     source = what if what in ("bleex", "cuhk") else load_estimate(what)
     with progress_bar("walking") as progress:
         study = reproduce.wear(
-            source,
-            period=period,
-            bandwidth=bandwidth,
-            rate=rate,
-            roles=parse_roles(role),
-            seed=seed,
-            progress=progress,
+            source, period=period, bandwidth=bandwidth, rate=rate, roles=parse_roles(role), seed=seed, progress=progress
         )
     show_report(reproduce.wear_report(study), figures, report, as_json=as_json)

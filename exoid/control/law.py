@@ -172,7 +172,7 @@ def refuse_rate(rate: float) -> None:
 
 
 def sound(torque: FloatArray, state: State, target: Target | None = None) -> FloatArray:
-    """Torque of a sample; refuse numbers of other joints, which numpy spreads, and those for which C has a safe one."""
+    """Return the torque; refuse other shapes, which numpy would spread, and values that are not finite."""
     alike = torque.shape == state.q.shape == state.v.shape
     for x in () if target is None else target:
         alike &= x is None or (x.ndim == torque.ndim and len(x) == len(torque))

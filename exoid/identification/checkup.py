@@ -118,10 +118,7 @@ def rounding_errors(
     if doubt.shape != covariance.shape or not names:
         return none, ()
     most = float(grown.max())
-    message = (
-        "the motion repeats so well that its angles are rounded alike each time: intervals are up to "
-        f"{most:.2g} times as wide by that"
-    )
+    message = f"the angles are rounded alike in each stride: intervals are up to {most:.2g} times as wide by that"
     remedy = "move in a way that does not repeat to the sample and the count of an encoder, or use finer encoders"
     return doubt, (Finding("noisy-angles", "", most, "1", "info", message, remedy, parameters=names),)
 

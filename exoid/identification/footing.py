@@ -97,7 +97,7 @@ class Footing(NamedTuple):
 
 
 def find_footing(fitted: Fitted, about: Footing | None = None, *, rocking: bool = False) -> Footing | None:
-    """Find how feet stand that carry a base or told a bias, or a bias that none told, beside the parameters."""
+    """Estimate compliance of soles, lean of the ground and bias of a sensor beside the parameters."""
     about = _begin(fitted, about, rocking=rocking)
     if about is None:
         return None

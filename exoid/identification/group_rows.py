@@ -20,7 +20,7 @@ from exoid.torques import TorqueModel
 
 from .recording_summary import RecordingSummary
 
-KEPT_BYTES = 2**26  # rows are kept between passes as long as together they stay below this, and made again otherwise,
+KEPT_BYTES = 2**26  # memory for rows that are kept between passes; others are made again
 
 Data = Sequence[Recording | Poses]
 """Recordings and poses, in memory or on disk."""

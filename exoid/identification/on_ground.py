@@ -37,9 +37,8 @@ ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from 
 
 def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
     """Fit a model to recordings with contacts: once by rows that no outlier moves, and once without the outliers."""
-    # Where feet carry a base that was not measured, the compliance of their soles and the lean of the ground are found,
-    # too; where feet told the bias of its sensor, this lean; where no rest told it, this bias. What they explain hides
-    # no outliers then, which are looked for once more.
+    # Without a measured base, the compliance of soles and the lean of the ground are found, too. With a sensor whose
+    # bias feet told, the lean is; with another sensor, its bias. Then outliers are looked for once more.
     problem = support_groups(problem, estimator, by_noise=by_noise, check=check)
     try:
         problem = without_outliers(fit_linear(problem, huber))

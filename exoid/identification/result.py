@@ -37,7 +37,7 @@ from .checkup import fitted_leg
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import check_fit
-from .findings.physics import impossible_leg, mass_scale, never_negative
+from .findings.physics import impossible_leg, mass_scale, never_negative, unbalanced
 from .friction_form import friction_form_error
 from .group_rows import Group
 from .groups import shared_agreement
@@ -171,7 +171,9 @@ class Result:
             checkup = check_fit(leg)
             error = friction_form_error(leg, checkup, estimate.residual_rms, estimate.noise)
             evidence = replace(estimate.evidence, ranges=checkup.ranges, torque_spread=checkup.torque_spread)
-            findings = ordered((*estimate.findings, *checkup.findings))
+            rows = problem.groups[parts[0]]
+            passive = unbalanced(rows.model, rows.by_row, fitted.fit.solution.values[problem.places[parts[0]]])
+            findings = ordered((*estimate.findings, *checkup.findings, *passive))
             return replace(estimate, findings=findings, model_error=error, evidence=evidence)
         values, groups = estimate.values, self._ordinary(parts)
         found = [*torque_findings(fitted, parts), *mass_scale(estimate.model.leg, values, estimate.names)]

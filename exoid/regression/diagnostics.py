@@ -21,10 +21,10 @@ from .problem import Fit, Noises, RowProblem
 from .residuals import series
 
 WELL = 0.1
-"""A parameter is well determined if its standard deviation is at most this part of its size,"""
+"""Largest standard deviation of a well determined parameter, over its size."""
 
 WEAKLY = 0.3
-"""and weakly if it is at most this part; beyond, it is not determined."""
+"""That of a weakly determined one; beyond, it is not determined."""
 
 SIZE = 0.1
 """A value near zero is judged by this part of the value that would explain all torque of a joint alone."""
@@ -33,10 +33,10 @@ LAGS = 10
 """Autocorrelations that are tested for whiteness."""
 
 ILL_CONDITIONED = 100.0
-"""Beyond this condition index an error of a thousandth of the torque may grow to a tenth of that of a parameter,"""
+"""Condition index beyond which an error of a thousandth of the torque may grow to a tenth of that of a parameter."""
 
 HOPELESS = 300.0
-"""and beyond this to a third."""
+"""That beyond which it may grow to a third."""
 
 OTHER, MOST = 0.2, 0.5
 """Logarithm of a factor from which on it is another scale, and least part of the squared residuals of a row that it

@@ -19,10 +19,10 @@ from .model import ColumnModel, MotionSamples, RegressorModel
 from .row_data import Rows, TakenOut
 
 BLOCK = 16384
-"""Samples of a block, in which reversals are taken out by themselves,"""
+"""Least samples of a block, in which reversals are taken out by themselves."""
 
 REACHES = 8.0
-"""or so many times the reach of the filter where that is more."""
+"""Least length of a block, over the reach of the filter."""
 
 BLOCKS = 12
 """Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""

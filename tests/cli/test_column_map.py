@@ -74,6 +74,13 @@ def test_an_estimate_remembers_how_its_logs_were_read(exoid_, log):
     assert again.columns["columns"]["time"] == "t_ms:ms"
 
 
+@pytest.mark.slow
+def test_so_does_one_of_select(exoid_, log):
+    part = (*OPTIONS, "--folds", "3", "--stop", "8", "-o", "est.json")
+    assert exoid_("select", "bleex", "log.csv", *part).code == 0
+    assert exoid_("validate", "est.json", "log.csv").code == 0
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [

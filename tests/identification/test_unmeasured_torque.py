@@ -113,8 +113,8 @@ DAMPING = np.array([0.5, 0.08])
 
 
 @cache
-def hanging():
-    """Document 2's leg with a driven hip and a knee that swings freely: time, q, v, a and torque, noise-free."""
+def hanging(stiffness=0.0):
+    """Document 2's leg with a driven hip and a knee that swings freely, or on a spring: time, q, v, a and torque."""
     leg = exoid.load_leg("cuhk")
     omega = 2.0 * np.pi * np.array([0.31, 0.53, 0.77, 1.1])
     size, phase = np.array([0.3, 0.2, 0.12, 0.06]), np.array([0.0, 1.0, 2.0, 0.5])
@@ -128,7 +128,7 @@ def hanging():
         q1, v1, a1 = hip(t)
         state = np.array([[q1, q2]]), np.array([[v1, v2]])
         rest = leg.inverse_dynamics(*state, np.array([[a1, 0.0]]))[0, 1]
-        return -(rest + DAMPING[1] * v2) / leg.mass_matrix(state[0])[0, 1, 1]
+        return -(rest + DAMPING[1] * v2 + stiffness * q2) / leg.mass_matrix(state[0])[0, 1, 1]
 
     t = np.arange(1500) / 100.0
     run = solve_ivp(lambda t, x: [x[1], acceleration(t, *x)], (0.0, t[-1]), [-0.3, 0.0], t_eval=t, rtol=1e-8, atol=1e-8)
@@ -137,8 +137,8 @@ def hanging():
     return leg, t, q, v, a, leg.inverse_dynamics(q, v, a) + DAMPING * v
 
 
-def hanging_log(seed, passive):
-    leg, t, q, _, _, torque = hanging()
+def hanging_log(seed, passive, stiffness=0.0):
+    leg, t, q, _, _, torque = hanging(stiffness)
     rng = np.random.default_rng(seed)
     tau = torque + 0.02 * torque.std(axis=0) * rng.standard_normal(torque.shape) * [1.0, 0.0]
     tau[:, 1] = np.nan
@@ -159,6 +159,16 @@ def test_rows_of_a_passive_joint_identify_its_friction_and_sharpen_the_rest():
     validation = exoid.validate(found, log)
     assert validation.verdict == "predicts"
     assert "–" in str(validation)
+
+
+@pytest.mark.parametrize(("stiffness", "severity"), [(0.0, []), (4.0, ["warning"]), (16.0, ["error"])])
+def test_a_spring_at_a_passive_joint_is_said(stiffness, severity):
+    """It shrinks what acts there, as a torque that has to be zero then is smaller, too."""
+    leg, log = hanging_log(1, passive=True, stiffness=stiffness)
+    found = exoid.identify(leg, log, (Viscous(),))
+    said = [one for one in found.findings if one.kind == "large-residual" and one.joint == "left_knee"]
+    assert [one.severity for one in said] == severity
+    assert not severity or found["X2"].identifiability != "well"
 
 
 def test_passive_joints_alone_give_only_ratios():

@@ -28,12 +28,12 @@ BLOCK = 0.01
 """Time between two decisions [s]."""
 
 LIGHT, LEAST = 0.25, 40.0
-"""Share of its usual forces that a seat may bear as well, as it is loaded slowly, and force that it should bear [N]."""
+"""Share of its usual forces that a seat bears while it is loaded slowly, and least force of a seat [N]."""
 # Without the second, a function that expects the seat would be proof of it. Chosen on seeds 900 and 901 of the loop.
 
 
 class ContactNoise(NamedTuple):
-    """Standard deviations of what is not in the model, and prior rates; tuned by scripts/study_coordination.py."""
+    """Standard deviations of what is not in the model, and prior rates, chosen on the rig."""
 
     angle: float = 1e-4  # noise of encoders [rad]
     torque: float = 0.5  # noise of torques [N·m]

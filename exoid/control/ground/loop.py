@@ -35,7 +35,7 @@ BLENDING = 0.5
 """Time in which the reference moves from one function to the next [s], an assumption."""
 
 SEEK, LONGEST = 0.3, 0.3
-"""Speed with which a foot that is planned on the ground and is not felt is lowered [m/s], and the longest time [s]."""
+"""Speed at which a foot that missed its planned contact is lowered [m/s], and the longest time [s]."""
 
 ASTRAY, UNLIKE, AGREES, HOLDS = 0.45, 0.4, 1.2, 0.02
 """Errors of a lost machine: posture [rad], mean loads over the weight, its time [s]; posture that holds [rad]."""

@@ -67,10 +67,5 @@ def _tables(problem: RowProblem) -> Iterator[tuple[int, NDArray[np.intp], FloatA
     """Go over usable rows [W τ] joint by joint: place among the R factors, parameters, rows, independent fraction."""
     for kind, rows, first in problem.blocks():
         for joint in range(rows.tau.shape[1]):
-            _, table = joint_table(rows, joint)
-            yield (
-                problem.weight_index(kind, first + joint),
-                problem.columns[first + joint],
-                table,
-                rows.independent_fraction,
-            )
+            place, (_, table) = problem.weight_index(kind, first + joint), joint_table(rows, joint)
+            yield place, problem.columns[first + joint], table, rows.independent_fraction

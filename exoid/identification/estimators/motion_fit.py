@@ -80,24 +80,13 @@ def fit_motion(
 
 
 def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> RFactor:
-    """Rows of unit noise that have these normal equations."""
-    count = len(right)
-    R = np.zeros((count + 1, count + 1))
-    try:
-        root = np.linalg.cholesky(matrix)
-        R[:count, :count], R[:count, count] = root.T, np.linalg.solve(root, right)
-    except np.linalg.LinAlgError:  # a known rotor has the same column as the J that it is no part of
-        R[:count] = _singular_root(matrix, right)
-    R[count, count] = np.sqrt(redundancy)
-    return RFactor(R, redundancy + count, float(redundancy + count))
-
-
-def _singular_root(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Rows of unit noise, (P, P + 1), that have singular normal equations."""
-    scale = np.sqrt(np.diag(matrix))
+    """Rows of unit noise that have these normal equations, singular ones too: a rotor may have the column of a J."""
+    count, scale = len(right), np.sqrt(np.diag(matrix))
     scale = np.where(scale > 0.0, scale, 1.0)
     values, axes = np.linalg.eigh(matrix / np.outer(scale, scale))
     root = np.sqrt(np.where(values > RANK_OF_SQUARES * values[-1], values, 0.0))
     inverse = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
+    R = np.zeros((count + 1, count + 1))
     rows = np.column_stack([root[:, None] * axes.T * scale, inverse * (axes.T @ (right / scale))])
-    return np.asarray(np.linalg.qr(rows, mode="r"))
+    R[:count], R[count, count] = np.linalg.qr(rows, mode="r"), np.sqrt(redundancy)
+    return RFactor(R, redundancy + count, float(redundancy + count))

@@ -22,8 +22,7 @@ from .kinds import Nuisance
 from .score import LARGE_GAIN, State
 
 BLOCKS, MUCH = 60, 0.1
-"""Blocks of all data, between which a number may change, and part of the squared residuals that a change explains at
-least: what friction of another form leaves of a real log looks like one with less."""
+"""Blocks of all data, and least part of the squared residuals that a change explains; other friction explains less."""
 
 
 class Change(NamedTuple):

@@ -160,10 +160,11 @@ def _frozen(channel: Channel, runs: Sequence[tuple[int, int]]) -> Iterator[Findi
 
 def repeated_values(channel: Channel) -> Iterator[Finding]:
     """Find torques that repeat the sample before, as those of a slower bus do."""
-    steps, x, least = channel.steps, channel.x, 0.01
-    moved = steps[steps > 0.0]
-    # a signal whose quantum is below a fifth of its median step repeats no value by chance
-    if np.mean(steps == 0.0) < least or len(moved) < 5 or quantum(x) > 0.2 * float(np.median(moved)):
+    steps, x = channel.steps, channel.x
+    moved, smallest = steps[steps > 0.0], quantum(x)
+    # steps of no quantum come by chance as often as those of one, up or down
+    least = max(0.01, 1.5 * float(np.mean((steps > 0.0) & (steps < 1.5 * smallest))))
+    if np.mean(steps == 0.0) < least or len(moved) < 5 or smallest > 0.2 * float(np.median(moved)):
         return
     at_rail = np.isin(x[1:], (x.max(), x.min()))
     long = np.zeros(len(steps), dtype=np.bool_)

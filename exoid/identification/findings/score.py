@@ -25,8 +25,8 @@ from .evidence import Evidence, r_factor
 from .kinds import Nuisance
 
 WORTH_A_LOOK, LARGE_GAIN = 0.01, 0.05
-"""Below this probability the variance of a score is also taken from blocks of time. A fault that explains more than
-this part of the squared residuals is tested with the noise that is left then."""
+"""Below this probability the variance of a score is also taken from blocks of time. A fault that explains more than the
+second of the squared residuals is tested with the noise that is left then."""
 
 HALF_WIDTH = 1.96  # half of a 95 % interval, in standard deviations
 

@@ -27,13 +27,11 @@ SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE, UNDECIDED = 0.5, 0.25, 10.0, 3.0
 that of the best (20 times less likely) from which on others are not named beside it."""
 
 CERTAIN = 1e-8
-"""Probability in noise below which a fault can be an error: friction of another form, which is no noise, looks like a
-strap with about 1e-5. Of 32 springs that are found (proving ground, seeds below 60) 30 are below."""
+"""Probability in noise below which a fault can be an error: below are 30 of 32 springs, above is other friction."""
 
 LATE, COMMON = 0.01, 10.0
-"""A torque that is later than this [s] is a common mistake: its probability in noise may be so many times as large as
-that of other faults, and it matters from half their move on. Chosen on the proving ground, seeds below 60, where each
-place that asks for it names one to three of 40 machines more."""
+"""Delays above the first [s] are common: their limit of significance is so many times larger, their least move half.
+Chosen on the proving ground, seeds below 60, where each names one to three of 40 machines more."""
 
 
 SCALES = ("torque-scale", "angle-scale")
