@@ -115,18 +115,18 @@ def two_rod_ankle(seed: int) -> Machine:
     return Machine(f'<robot name="ankle">{"".join([*links, *joints])}</robot>', text, ("motor_left", "motor_right"))
 
 
-def cylinder_knee(seed: int) -> Machine:
-    """Knee that a linear actuator behind the thigh moves; its motor is the sliding joint."""
+def cylinder_knee(seed: int, horn: float = 1.0, limit: float = 0.05) -> Machine:
+    """Knee that a linear actuator behind the thigh moves by a horn; its motor is the sliding joint."""
     rng = np.random.default_rng(seed)
     points = near(rng, 0.0, 0.0, -0.42), near(rng, -0.05, 0.0, -0.08), near(rng, -0.06, 0.0, -0.03)
-    knee, above, below = np.array(points) * [1.0, 0.0, 1.0]
+    knee, above, below = np.round(np.array(points) * [1.0, 0.0, 1.0] * [[1.0], [1.0], [horn]], 5)
     links = [
         '<link name="thigh"/>',
         link("shank", rng, 3.5, 0.42, planar=True),
         link("barrel", rng, 0.8, 0.2, planar=True),
         link("rod", rng, 0.4, 0.2, planar=True),
     ]
-    stroke = joint("cylinder", "barrel", "rod", np.array([0.0, 0.0, -0.2]), "0 0 -1", 0.05)
+    stroke = joint("cylinder", "barrel", "rod", np.array([0.0, 0.0, -0.2]), "0 0 -1", limit)
     joints = [
         joint("knee", "thigh", "shank", knee, limit=1.0),
         joint("pivot", "thigh", "barrel", above, limit=1.0),

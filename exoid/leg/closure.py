@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from exoid.errors import BadArgumentError
 
 from .dynamics import JointFrames, joint_frames
 from .loops import Loop, Loops
-from .model import joint_axis
+from .model import joint_axis, position_limits
 
 BLOCK = 4096
 """Samples computed at once: enough that the interpreter costs little, few enough for the processor's cache."""
@@ -47,6 +48,12 @@ CLOSED = 1e-5
 INDEPENDENT_ROWS = 1e-6
 """Smallest singular value, over the largest, of a direction that the loops hold."""
 
+TRANSMISSION = 0.3
+"""Least :meth:`Closure._transmission` of random poses, about the sine of the angle between two dependent links.
+
+Near a dead centre, where it is 0, dependent joints move without bound: 0.15 still loses base parameters of cylinders.
+"""
+
 
 class TreeMotion(NamedTuple):
     """Motion of all joints of a leg."""
@@ -54,9 +61,8 @@ class TreeMotion(NamedTuple):
     q: FloatArray  # angles [rad], (N, t)
     v: FloatArray  # velocities [rad/s], (N, t)
     a: FloatArray  # accelerations [rad/s²], (N, t)
-    G: FloatArray | None = (
-        None  # velocities of all joints per unit of each independent one, (t, n, N); None without loops
-    )
+    # velocities of all joints per unit of each independent one, (t, n, N); None without loops
+    G: FloatArray | None = None
 
     def project(self, rows: FloatArray) -> FloatArray:
         """Take the last axis, torques or columns of all t joints, to the independent ones."""
@@ -104,25 +110,19 @@ class Closure:
         if unknown := [name for name in loops.start if name not in names]:
             raise BadArgumentError(f"[start] names {unknown[0]!r}, which does not move", where=where)
         moved = {j for pair in pairs for j in _moves(model, pair)}
-        for j in dependent:
-            if j not in moved:
-                what = f"joint {names[j]!r} is dependent, and moves no loop"
-                raise BadArgumentError(what, joints=(names[j],), where=where, remedy="leave it out of dependent")
+        for j in sorted(set(dependent.tolist()) - moved):
+            what = f"joint {names[j]!r} is dependent, and moves no loop"
+            raise BadArgumentError(what, joints=(names[j],), where=where, remedy="leave it out of dependent")
         start = np.array([loops.start.get(name, 0.0) for name in names])
-        low, high = model.lowerPositionLimit, model.upperPositionLimit
-        if model.nq == model.nv:
-            start[independent] = np.where(low < high, np.clip(start, low, high), start)[independent]
-        blank = np.zeros((0, 3 * len(pairs)))
-        open_ = cls(loops, model, pairs, independent, dependent, start, blank, 0.0)
+        start[independent] = np.clip(start, *position_limits(model))[independent]
+        open_ = cls(loops, model, pairs, independent, dependent, start, np.zeros((0, 3 * len(pairs))), 0.0)
         pose = open_._assemble(start)
         open_._refuse_gap(pose)
         rng = np.random.default_rng(0)  # the pose itself may be symmetric, and hide a direction
-        near = [pose]
-        for _ in range(8):
-            x = pose.copy()
-            x[independent] += rng.uniform(-0.05, 0.05, len(independent))
-            near.append(open_._assemble(x))
-        at = open_._linearise(np.array([one for one in near if open_.gap(one[None]).max() < CLOSED]).T)
+        near = np.tile(pose, (9, 1))
+        near[1:, independent] += rng.uniform(-0.05, 0.05, (8, len(independent)))
+        near[1:] = [open_._assemble(x) for x in near[1:]]
+        at = open_._linearise(near[open_.gap(near).max(axis=1) < CLOSED].T)
         directions, size, _ = np.linalg.svd(at.A.reshape(len(at.A), -1), full_matrices=False)
         held = int((size > INDEPENDENT_ROWS * size[0]).sum())
         on_paths = ", ".join(names[j] for j in sorted(moved))
@@ -147,11 +147,6 @@ class Closure:
     def joint_names(self) -> tuple[str, ...]:
         """Names of the independent joints."""
         return tuple(self.model.names[j + 1] for j in self.independent.tolist())
-
-    def rounded(self, model: pin.Model, rng: np.random.Generator, size: float) -> Closure:
-        """Copy the closure to another geometry, with random errors of the points."""
-        pairs = [pair._replace(places=pair.places + rng.uniform(-size, size, (2, 3))) for pair in self.pairs]
-        return replace(self, model=model, pairs=tuple(pairs))
 
     def motion(self, q: FloatArray, v: FloatArray, a: FloatArray) -> TreeMotion:
         """Find the motion of all joints from that of the independent ones, (N, n) each."""
@@ -190,25 +185,44 @@ class Closure:
             use = closed[nearest] & (ways[0] < ways[1])
             start[use] = keys[nearest[use]]
         found = [self._walk(start[block].T, x[block].T) for block in _blocks(len(x))]
-        if not found:
-            return start, np.zeros(0, dtype=np.bool_)
         return np.vstack([q.T for q, _ in found]), np.concatenate([closed for _, closed in found])
 
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """Scale of random motions, (n,): 1 rad, or the slide, at most 1 m, that turns a dependent joint by 1 rad."""
+        slides = np.array([not joint_axis(joint)[3:].any() for joint in self.model.joints[1:]])
+        A = self.rows @ self._linearise(self.reference[:, None]).A[..., 0]
+        G_d = np.linalg.solve(A[:, self.dependent], A[:, self.independent])
+        turned = np.abs(G_d[~slides[self.dependent]]).max(axis=0, initial=1.0)
+        return np.where(slides[self.independent], 1.0 / turned, 1.0)
+
     def reachable(self, x: FloatArray) -> FloatArray:
-        """Move angles (N, n) towards the reference until the loops close."""
-        x = np.array(x)
-        home = self.reference[self.independent]
-        for _ in range(8):
-            _, closed = self.solve(x)
-            x[~closed] = home + 0.6 * (x[~closed] - home)
+        """Move the joints of loops (N, n) towards the reference until all loops close, away from dead centres."""
+        x, home = np.array(x), self.reference[self.independent]
+        looped = np.isin(self.independent, [j for pair in self.pairs for j in _moves(self.model, pair)])
+        least = min(TRANSMISSION, 0.5 * self._transmission(self.reference[None])[0])
+        for _ in range(40):  # the last are at the reference, which has twice the least
+            poses, closed = self.solve(x)
+            closed[closed] = self._transmission(poses[closed]) >= least
+            if closed.all():
+                break
+            x[~closed] = np.where(looped, home + 0.6 * (x[~closed] - home), x[~closed])
         return x
+
+    def _transmission(self, q: FloatArray) -> FloatArray:
+        """Distance from dead centres, (N,): smallest singular value of A_d with columns of unit length."""
+        A_d = np.tensordot(self.rows, self._linearise(q.T).A[:, self.dependent], 1).transpose(2, 0, 1)
+        return np.asarray(np.linalg.svd(A_d / np.linalg.norm(A_d, axis=1, keepdims=True), compute_uv=False)[:, -1])
+
+    def correct(self, q: FloatArray) -> FloatArray:
+        """Close poses of all joints (N, t) that are nearly closed, on the branch of each."""
+        return self._walk(q.T, q[:, self.independent].T)[0].T
 
     def gap(self, q: FloatArray) -> FloatArray:
         """Size of the gap of each loop [m] at poses of all joints (N, t), (N, number of loops)."""
         found = [self._linearise(q[block].T).gap.T for block in _blocks(len(q))]
         sizes = np.linalg.norm(np.vstack(found).reshape(len(q), -1, 3), axis=2)
-        names = [pair.loop.name for pair in self.pairs]
-        of_loop = [[name == loop.name for name in names] for loop in self.loops.loops]
+        of_loop = [[pair.loop.name == loop.name for pair in self.pairs] for loop in self.loops.loops]
         return np.column_stack([sizes[:, each].max(axis=1) for each in of_loop])
 
     def _walk(self, q: FloatArray, x: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -368,4 +382,4 @@ def _solver(A: FloatArray) -> Callable[[FloatArray], FloatArray]:
 
 
 def _blocks(count: int) -> Iterator[slice]:
-    return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))
+    return (slice(start, start + BLOCK) for start in range(0, max(count, 1), BLOCK))

@@ -231,10 +231,8 @@ def check_numbers(
 def _check_inertias(root: etree._Element, name: str) -> None:
     for inertial in root.findall("link/inertial"):
         if any(inertial.find(element) is None for element in REQUIRED):
-            place = _place(inertial, name)
-            raise UnreadableInputError(
-                "its <inertial> lacks mass or inertia", where=place, remedy="write both, or neither"
-            )
+            what, place = "its <inertial> lacks mass or inertia", _place(inertial, name)
+            raise UnreadableInputError(what, where=place, remedy="write both, or neither")
 
 
 def _check_axes(root: etree._Element, name: str) -> None:
@@ -242,11 +240,10 @@ def _check_axes(root: etree._Element, name: str) -> None:
         axis = joint.find("axis")
         if axis is None or joint.get("type") in ("fixed", "floating"):
             continue
-        if axis.get("xyz") is None:  # the parser takes it as zero
-            raise UnreadableInputError("its <axis> has no xyz", where=_place(axis, name), remedy="write a unit vector")
-        # Smallest length of a joint axis
-        if math.hypot(*map(float, axis.get("xyz", "").split())) < 1e-6:
-            raise UnreadableInputError("its <axis> is zero", where=_place(axis, name), remedy="write a unit vector")
+        xyz = axis.get("xyz")  # without it, the parser takes the axis as zero
+        if xyz is None or math.hypot(*map(float, xyz.split())) < 1e-6:
+            what = "its <axis> has no xyz" if xyz is None else "its <axis> is zero"
+            raise UnreadableInputError(what, where=_place(axis, name), remedy="write a unit vector")
 
 
 def _place(element: etree._Element, name: str) -> str:

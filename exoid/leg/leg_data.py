@@ -17,7 +17,7 @@ from .base_kinematics import BaseKinematics
 from .closure import Closure, TreeMotion
 from .description import Description
 from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
-from .model import dynamic_parameters
+from .model import dynamic_parameters, position_limits
 from .reduction import Plane
 from .reduction.planar import PlanarChain
 from .reduction.planar_machine import PLANAR_ROWS, SIDES, Limb, PlanarMachine
@@ -114,9 +114,7 @@ class LegData:
     @property
     def base_rows(self) -> int:
         """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
-        if self.base != "floating":
-            return 0
-        return len(FREE_ROWS if self.machine is None else PLANAR_ROWS)
+        return len(self.row_names) - len(self.joint_names)
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -125,9 +123,8 @@ class LegData:
         The rows of a planar base are the force forward and up [N], in axes that turn with the torso, and the moment
         about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
         """
-        if self.base != "floating":
-            return self.joint_names
-        return (*(FREE_ROWS if self.machine is None else PLANAR_ROWS), *self.joint_names)
+        rows = FREE_ROWS if self.machine is None else PLANAR_ROWS
+        return rows * (self.base == "floating") + self.joint_names
 
     @property
     def joint_labels(self) -> tuple[str, ...]:
@@ -189,13 +186,8 @@ class LegData:
         """Limits of the joints."""
         model = self.model
         chosen = slice(None) if self.closure is None else self.closure.independent
-        joints = [model.joints[j + 1] for j in np.arange(model.njoints - 1)[chosen].tolist()]
-        lower = np.array([model.lowerPositionLimit[joint.idx_q] for joint in joints])
-        upper = np.array([model.upperPositionLimit[joint.idx_q] for joint in joints])
-        # continuous joints have no limits, and exporters of CAD programs write 0 for those that nobody gave
-        free = np.array([joint.nq == 2 for joint in joints]) | (lower == upper)
         speed, effort = (np.where(limit > 0.0, limit, np.inf) for limit in (model.velocityLimit, model.effortLimit))
-        lower, upper = np.where(free, -np.inf, lower), np.where(free, np.inf, upper)
+        lower, upper = position_limits(model)[:, chosen]
         return JointLimits(lower, upper, speed[chosen], effort[chosen])
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:

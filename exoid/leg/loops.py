@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -84,21 +85,19 @@ class Loops:
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Loops:
         """Check and convert what a TOML file or an estimate holds; ``json_value`` writes it."""
+        refused = partial(UnreadableInputError, remedy=f"write {EXAMPLE}")
         try:
             found = record(cls, data)
         except (TypeError, ValueError, LookupError, AttributeError) as error:
-            what = f"a key is missing or unknown, or has another kind of value ({error})"
-            raise UnreadableInputError(what, remedy=f"write {EXAMPLE}") from None
+            raise refused(f"a key is missing or unknown, or has another kind of value ({error})") from None
         for loop in found.loops:
             triples = [loop.axis, *(each for end in (loop.first, loop.second) for each in (end.xyz, end.rpy))]
             finite = all(len(x) == 3 and all(abs(each) < LARGEST_NUMBER for each in x) for x in triples)
             if loop.kind not in get_args(LoopKind) or not finite or not any(loop.axis):
                 kinds = ", ".join(get_args(LoopKind))
-                what = f"loop {loop.name} has a kind that is none of {kinds}, or numbers that no place has"
-                raise UnreadableInputError(what, remedy=f"write {EXAMPLE}")
+                raise refused(f"loop {loop.name} has a kind that is none of {kinds}, or numbers that no place has")
         if not found.loops or not found.dependent or not all(abs(x) < LARGEST_NUMBER for x in found.start.values()):
-            what = "there are no [[loops]], no dependent joints, or a start that is no angle"
-            raise UnreadableInputError(what, remedy=f"write {EXAMPLE}")
+            raise refused("there are no [[loops]], no dependent joints, or a start that is no angle")
         return found
 
 

@@ -68,15 +68,10 @@ def configuration(model: pin.Model, q: FloatArray) -> FloatArray:
     if model.nq == model.nv:
         return q
     out = np.tile(pin.neutral(model), (len(q), 1))
-    for j in range(1, model.njoints):
-        joint = model.joints[j]
-        if joint.nv != 1:
-            continue
+    for joint in (joint for joint in model.joints[1:] if joint.nv == 1):
         angle = q[:, joint.idx_v]
-        if joint.nq == 1:
-            out[:, joint.idx_q] = angle
-        else:
-            out[:, joint.idx_q], out[:, joint.idx_q + 1] = np.cos(angle), np.sin(angle)
+        of_joint = [angle] if joint.nq == 1 else [np.cos(angle), np.sin(angle)]
+        out[:, joint.idx_q : joint.idx_q + joint.nq] = np.stack(of_joint, axis=1)
     return out
 
 
@@ -87,6 +82,15 @@ def joint_axis(joint: pin.JointModel) -> FloatArray:
     data = joint.createData()
     joint.calc(data, np.eye(joint.nq)[0] if joint.nq > 1 else np.zeros(1))  # (cos, sin) of a continuous joint
     return np.asarray(data.S, dtype=np.float64).reshape(6)
+
+
+def position_limits(model: pin.Model) -> FloatArray:
+    """Smallest and largest angle of each joint [rad or m], (2, n); infinite where it has no limit."""
+    joints = [joint for joint in model.joints[1:] if joint.nv == 1]
+    limits = np.array([[x[j.idx_q] for j in joints] for x in (model.lowerPositionLimit, model.upperPositionLimit)])
+    # continuous joints have no limits, and exporters of CAD programs write 0 for those that nobody gave
+    free = [joint.nq == 2 for joint in joints] | (limits[0] == limits[1])
+    return np.where(free, [[-np.inf], [np.inf]], limits)
 
 
 def dynamic_parameters(model: pin.Model, *, root: bool = False) -> FloatArray:

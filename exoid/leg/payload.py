@@ -96,8 +96,6 @@ class Payload:
 
 def as_payloads(given: object) -> tuple[Payload, ...]:
     """Check that something is payloads; one alone may stand for itself."""
-    if isinstance(given, Payload):
-        return (given,)
     found = tuple(given) if isinstance(given, (tuple, list)) else (given,)
     wrong = [one for one in found if not isinstance(one, Payload)]
     if wrong:

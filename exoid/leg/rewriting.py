@@ -107,8 +107,7 @@ def numbers_of(element: etree._Element | None, attribute: str, default: str = "0
 
 
 def _write_inertial(link: etree._Element, parameters: FloatArray) -> None:
-    mass, moment = float(parameters[0]), parameters[1:4]
-    centre = moment / mass
+    mass, centre = float(parameters[0]), parameters[1:4] / parameters[0]
     xx, xy, yy, xz, yz, zz = parameters[4:]
     about_joint = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     tensor = about_joint - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
@@ -124,12 +123,10 @@ def _write_inertial(link: etree._Element, parameters: FloatArray) -> None:
 
 def _child(parent: etree._Element, tag: str, *, first: bool = False) -> etree._Element:
     """Find a child element, or make it with the white space of its neighbours."""
-    found = parent.find(tag)
-    if found is not None:
+    if (found := parent.find(tag)) is not None:
         return found
     made = etree.Element(tag)
-    children = len(parent)
-    if first or not children:
+    if first or not len(parent):
         made.tail = parent.text
         parent.insert(0, made)
     else:

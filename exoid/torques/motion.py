@@ -69,10 +69,8 @@ def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -
     if not isinstance(torso, TorsoMotion):
         return torso.rows(rows)
     entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
-    constant = {"hip_acceleration": 1}
-    return TorsoMotion(
-        **{name: x[rows] if x.ndim > constant.get(name, 0) and len(x) == count else x for name, x in entries.items()}
-    )
+    varies = {name: x.ndim > (name == "hip_acceleration") and len(x) == count for name, x in entries.items()}
+    return TorsoMotion(**{name: x[rows] if varies[name] else x for name, x in entries.items()})
 
 
 class JointMotion(NamedTuple):
@@ -105,9 +103,10 @@ class LoadedMotion(NamedTuple):
 
 
 def random_motion(samples: int, joints: int, closure: Closure | None = None) -> FloatArray:
-    """Draw independent normal angles, at which loops close, velocities and accelerations, always the same."""
+    """Draw normal angles, velocities and accelerations, always the same; loops close, away from dead centres."""
     motion = np.random.default_rng(0).standard_normal((3, samples, joints)) * [[[1.0]], [[2.0]], [[5.0]]]
     if closure is not None:
+        motion *= closure.sizes
         motion[0] = closure.reachable(motion[0])
     return motion
 

@@ -1,7 +1,7 @@
 """Closed loops: Pinocchio's constrained dynamics and finite differences are the truth."""
 
 import tempfile
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import mujoco
@@ -10,12 +10,13 @@ import pinocchio as pin
 import pytest
 from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle, welded_knee
 
-from exoid import Leg
+from exoid import Leg, torques
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
 from exoid.lab.study import LegText
 from exoid.leg.base_kinematics import BaseKinematics
 
 MACHINES = {"knee": four_bar_knee, "cylinder": cylinder_knee, "weld": welded_knee, "ankle": two_rod_ankle}
+MACHINES["short cylinder"] = partial(cylinder_knee, horn=0.5, limit=0.2)  # which reaches 35 mm
 
 
 @cache
@@ -31,8 +32,7 @@ def leg(request: pytest.FixtureRequest) -> Leg:
 
 
 def random_motion(leg: Leg, samples: int = 40, seed: int = 5):
-    rng = np.random.default_rng(seed)
-    size = np.where(leg.limits.upper < 0.1, 0.1, 1.0)  # the stroke of a cylinder in metres
+    rng, size = np.random.default_rng(seed), leg.closure.sizes
     v, a = size * rng.normal(0.0, 2.0, (2, samples, len(leg.joint_names)))
     return leg.closure.reachable(size * rng.uniform(-0.5, 0.5, v.shape)), v, a
 
@@ -40,18 +40,10 @@ def random_motion(leg: Leg, samples: int = 40, seed: int = 5):
 def constraints(leg: Leg) -> pin.StdVec_RigidConstraintModel:
     """The points of all loops as Pinocchio's constraints."""
     found = pin.StdVec_RigidConstraintModel()
-    found.extend(
-        pin.RigidConstraintModel(
-            pin.ContactType.CONTACT_3D,
-            leg.model,
-            pair.bodies[0] + 1,
-            pin.SE3(np.eye(3), pair.places[0]),
-            pair.bodies[1] + 1,
-            pin.SE3(np.eye(3), pair.places[1]),
-            pin.ReferenceFrame.LOCAL,
-        )
-        for pair in leg.closure.pairs
-    )
+    kind, axes = pin.ContactType.CONTACT_3D, pin.ReferenceFrame.LOCAL
+    for pair in leg.closure.pairs:
+        ends = [(body + 1, pin.SE3(np.eye(3), place)) for body, place in zip(pair.bodies, pair.places, strict=True)]
+        found.append(pin.RigidConstraintModel(kind, leg.model, *ends[0], *ends[1], axes))
     return found
 
 
@@ -78,6 +70,21 @@ def test_loops_close_and_the_regressor_gives_the_torque(leg):
     np.testing.assert_array_equal(tree.q[:, leg.closure.independent], q)
     torque = leg.inverse_dynamics(q, v, a)
     np.testing.assert_allclose(leg.regressor(q, v, a) @ leg.parameters, torque, atol=1e-12 * np.abs(torque).max())
+
+
+def test_random_motion_closes_all_loops_with_bounded_velocities(leg):
+    """Dependent joints turn at most 7 times as fast as at the reference, and the poses fill the reach."""
+    q, v, a = torques.motion.random_motion(300, len(leg.joint_names), leg.closure)
+    home = leg.closure.rates(np.tile(leg.closure.reference, (300, 1)), v, a)
+    most, usual = (np.abs(each.G).max(axis=(0, 2)) for each in (leg.tree_motion(q, v, a), home))
+    assert (most < 7.0 * usual).all()
+    assert (q.std(axis=0) > 0.3 * leg.closure.sizes).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_limits_beyond_the_reach_take_no_base_parameter_away(seed, tmp_path):
+    legs = [cylinder_knee(seed, 0.6, limit).leg(tmp_path) for limit in (0.03, 0.045, 0.08, 0.2, 100.0)]
+    assert [len(leg.parameter_names) for leg in legs] == 5 * [8]
 
 
 def test_velocity_and_acceleration_are_derivatives_of_the_pose(leg):

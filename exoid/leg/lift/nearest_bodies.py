@@ -70,9 +70,8 @@ class Problem:
             Y, gain = self._newton_step(U, misfit)
             if gain < SETTLED * (1.0 + best):
                 break
-            nearest = float(
-                np.linalg.eigvalsh(Y)[:, 0].min()
-            )  # 1 + length · Y is consistent while length · nearest > −1
+            # 1 + length · Y is consistent while length · nearest > −1
+            nearest = float(np.linalg.eigvalsh(Y)[:, 0].min())
             length = min(1.0, LONGEST / max(-nearest, 1e-9))
             while True:
                 trial = U @ upper_factors(np.eye(4) + length * Y)

@@ -12,6 +12,7 @@ angle of its own. It keeps parameters with effects of a millionth of the others,
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.leg.closure import Closure, TreeMotion
+from exoid.leg.model import position_limits
 from exoid.tools.numbers import ROUNDED
 
 from .reduction import LINK_PARAMETERS, LINK_UNITS, Reduction
@@ -41,10 +43,7 @@ GAP = 2.0
 """Smallest ratio between effects above and below :data:`DISTINCT`, unless the latter are those of exact zeros."""
 
 SHORTEST = 1e3
-"""Effect of rounding on a column times this is the least length that it is scaled by.
-
-So a column that is only rounding stays short, and represents no group.
-"""
+"""Least scale of a column over the effect of rounding on it: one that is only rounding represents no group."""
 
 REMEDY = "round away tiny offsets and angles between joint axes in the URDF"
 
@@ -66,7 +65,9 @@ def numeric(
     """Find the base parameters of a model, each named as a sum such as ``Iyy_shank + 0.185*m_foot``."""
     # Columns are scaled to unit length times a preference, so that pivoting and names are the same on every machine.
     # Parameters that no motion separates are grouped into the first moment or inertia of the link nearest to the base.
-    regressor = partial(_random_regressor, seed=seed, moving_base=moving_base)
+    # All geometries have the same independent motion: a pose that only one of them reached would count as rounding.
+    moved, base = _random_motion(model, closure, seed)
+    regressor = partial(_regressor, moved=moved, base=base if moving_base or is_floating(model) else None)
     W = regressor(model, closure)
     rng = np.random.default_rng(seed)
     changes = [regressor(*_rounded(model, closure, rng)) - W for _ in range(DRAWS)]
@@ -95,25 +96,27 @@ def numeric(
     return Reduction(names, tuple(LINK_UNITS[k % 10] for k in kept), weights, spread)
 
 
-def _random_regressor(model: pin.Model, closure: Closure | None, *, seed: int, moving_base: bool) -> FloatArray:
+def _random_motion(model: pin.Model, closure: Closure | None, seed: int) -> tuple[TreeMotion, BaseSamples]:
+    """Draw a motion of the independent joints within their limits, at which loops close, and one of the base."""
     rng = np.random.default_rng(seed)
-    samples, floating = 15 * model.nv + 20, is_floating(model)
-    low = np.maximum(_by_joint(model, model.lowerPositionLimit, -np.pi), -np.pi)
-    high = np.minimum(_by_joint(model, model.upperPositionLimit, np.pi), np.pi)
-    low, high = np.where(low < high, low, -np.pi), np.where(low < high, high, np.pi)
-    if closure is not None:
-        low, high = low[closure.independent], high[closure.independent]
+    samples, size = 15 * model.nv + 20, 1.0 if closure is None else closure.sizes
+    joints, widest = slice(None) if closure is None else closure.independent, np.pi * size * np.array([[-1.0], [1.0]])
+    limits = np.clip(position_limits(model)[:, joints], *widest)
+    low, high = np.where(limits[0] < limits[1], limits, widest)
     q = rng.uniform(low, high, (samples, len(low)))
-    v, a = rng.uniform(-3, 3, (2, samples, len(low)))
-    moved = TreeMotion(q, v, 3.0 * a)
-    if closure is not None:
-        poses, _ = closure.solve(closure.reachable(q))
-        moved = closure.rates(poses, v, 3.0 * a)
+    v, a = size * rng.uniform(-3, 3, (2, *q.shape))
     velocity, acceleration = np.zeros((samples, 6)), rng.uniform(-9, 9, (samples, 6))
     velocity[:, 3:] = rng.uniform(-3, 3, (samples, 3))
+    if closure is not None:
+        q, _ = closure.solve(closure.reachable(q))
+    return TreeMotion(q, v, 3.0 * a), BaseSamples(velocity, acceleration)
+
+
+def _regressor(model: pin.Model, closure: Closure | None, moved: TreeMotion, base: BaseSamples | None) -> FloatArray:
+    if closure is not None:
+        moved = closure.rates(closure.correct(moved.q), moved.v, moved.a)
     tree = Tree.from_model(model)
-    columns = np.zeros((10 * tree.bodies, tree.rows, samples))
-    base = BaseSamples(velocity, acceleration) if moving_base or floating else None
+    columns = np.zeros((10 * tree.bodies, tree.rows, len(moved.q)))
     fill_tree_regressor(tree, moved.q, moved.v, moved.a, range(len(columns)), columns, base)
     if moved.G is not None:
         columns = np.einsum("ktb,tib->kib", columns, moved.G)
@@ -126,13 +129,10 @@ def _rounded(model: pin.Model, closure: Closure | None, rng: np.random.Generator
     for j in range(1, copy.njoints):
         rotation, translation = rng.uniform(-ROUNDING, ROUNDING, (2, 3))
         copy.jointPlacements[j] = copy.jointPlacements[j] * pin.SE3(pin.exp3(rotation), translation)
-    return copy, None if closure is None else closure.rounded(copy, rng, ROUNDING)
-
-
-def _by_joint(model: pin.Model, limits: FloatArray, continuous: float) -> FloatArray:
-    """Limits by degree of freedom, without a floating base; a continuous joint gets the given one."""
-    joints = [model.joints[j] for j in range(1 + is_floating(model), model.njoints)]
-    return np.array([limits[joint.idx_q] if joint.nq == 1 else continuous for joint in joints])
+    if closure is None:
+        return copy, None
+    pairs = (each._replace(places=each.places + rng.uniform(-ROUNDING, ROUNDING, (2, 3))) for each in closure.pairs)
+    return copy, replace(closure, model=copy, pairs=tuple(pairs))
 
 
 def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
