@@ -84,6 +84,12 @@ def test_after_a_reading_that_python_refuses_the_observer_says_that_it_settles(l
     np.testing.assert_allclose(tau[61:], after, atol=1e-10)
     undisturbed, *_ = law.run(records(law.source, 150, values))
     np.testing.assert_allclose(tau[status == 0], undisturbed[status == 0], atol=0.1)
+    repeated = records(law.source, 150, values)
+    repeated["reading"][60:] -= 1
+    assert np.flatnonzero(law.run(repeated)[1] == SETTLING).tolist() == [
+        *range(len(settling)),
+        *range(60, 60 + len(settling)),
+    ]
 
 
 @needs_compiler
