@@ -129,6 +129,20 @@ def test_while_the_motion_tells_no_load_from_another_intervals_say_so():
     assert not online.changes
 
 
+@pytest.mark.parametrize("joint", ["knee", "ankle"])
+def test_a_load_that_follows_a_jump_of_an_angle_may_be_the_encoder(joint):
+    """The zero of the last joint acts like a mass beside it, and was named a load with narrow intervals."""
+    walker = Walker.of(1001, 1.2)
+    online = estimator(walker)
+    feed(online, walker.walk(30.0))
+    q, tau = walker.walk(25.0, 0.0, 30.0)
+    feed(online, (q + 0.6 * (np.array(walker.leg.joint_names) == joint), tau))
+    finding = {one.kind: one for one in online.findings}["change-ambiguous"]
+    assert f"load at {joint} or angle-offset at {joint}" in finding.message
+    wide = [name in finding.parameters for name in online.estimate.names]
+    assert (online.estimate.std[wide] > np.abs(online.estimate.values[wide])).all()
+
+
 def test_a_load_that_is_taken_off_again_leaves_the_leg_that_was():
     """Ten seconds after it was strapped on, while its name is still on probation."""
     walker = Walker.of(1002, 2.0)
