@@ -75,11 +75,11 @@ class ControlModel:
             return source
         if isinstance(source, Estimate):
             known = completed(source)
-            if known is not source:
-                found = zip(source.names, source.identifiability, known.values.tolist(), strict=True)
-                used = ", ".join(f"{name} = {value:.3g}" for name, kind, value in found if kind == "not")
+            found = zip(source.names, source.identifiability, source.values, known.values, strict=True)
+            open_ = [f"{name} = {new:.3g}" for name, kind, old, new in found if kind == "not" and abs(new - old) > 1e-9]
+            if open_:
                 what = "not determined by the recordings, and used with values near the leg as it was given and near"
-                warnings.warn(f"{what} zero for friction and offsets: {used}", UserWarning, stacklevel=2)
+                warnings.warn(f"{what} zero for friction and offsets: {', '.join(open_)}", UserWarning, stacklevel=2)
             return cls.of_parameters(source.model, known.values)
         if isinstance(source, Leg):
             nothing = np.zeros(len(source.joint_names))
