@@ -140,10 +140,8 @@ class ControlModel:
             ExoidError: The model has terms that a rig does not have, or no bodies have such parameters.
         """
         if self.others or len(self.spring) > STIFFNESS_DEGREE + 1:
-            raise NotSupportedError(
-                "the rig has no such friction or stiffness",
-                remedy=f"identify Coulomb and viscous friction, and stiffness of degree {STIFFNESS_DEGREE} at most",
-            )
+            remedy = f"identify Coulomb and viscous friction, and stiffness of degree {STIFFNESS_DEGREE} at most"
+            raise NotSupportedError("the rig has no such friction or stiffness", remedy=remedy)
         powers = range(len(self.spring) - 1, -1, -1)
         rows = {f"b{power}": row for power, row in zip(powers, self.spring, strict=True)}
         rows |= {"c0": self.coulomb.clip(0.0), "d": self.viscous.clip(0.0), "Ia": self.armature.clip(0.0)}
@@ -300,11 +298,9 @@ def possible_mass_matrix(model: ControlModel, pose: FloatArray) -> FloatArray:
     """Mass matrix at a pose; refuse one that no links have: feedback through it would drive the leg away."""
     M = model.mass_matrix(pose)
     if np.linalg.eigvalsh(M)[0] <= 0.0:
-        raise NotIdentifiableError(
-            f"no links have this mass matrix, with {np.diagonal(M).round(4).tolist()} kg·m² on its diagonal",
-            where=model.leg.description.name,
-            remedy="look at the findings of the estimate, such as signs of torques, and record faster motion",
-        )
+        what = f"no links have this mass matrix, with {np.diagonal(M).round(4).tolist()} kg·m² on its diagonal"
+        remedy = "look at the findings of the estimate, such as signs of torques, and record faster motion"
+        raise NotIdentifiableError(what, where=model.leg.description.name, remedy=remedy)
     return M
 
 
@@ -339,12 +335,9 @@ def completed(source: Estimate) -> Estimate:
     if not len(free):
         return source
     if len(free) == len(source.names):
-        raise NotIdentifiableError(
-            "the recordings determine no parameter, so a law would compensate noise",
-            where=source.model.leg.description.name,
-            remedy="identify with a longer or faster log, or give the leg itself (exoid.Leg) as the model",
-            parameters=source.names,
-        )
+        what, where = "the recordings determine no parameter: a law would compensate noise", source.leg.description.name
+        remedy = "identify with a longer or faster log, or give the leg itself (exoid.Leg) as the model"
+        raise NotIdentifiableError(what, where=where, remedy=remedy, parameters=source.names)
     # Bayes' rule with a prior of these alone. It is as wide as a CAD model may be wrong, not as all torque of the log:
     # where joints stick, friction looks like ten times the gravity. Combinations that the log determines stay.
     leg, count = source.model.leg, len(source.model.leg.parameters)

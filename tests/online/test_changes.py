@@ -119,10 +119,8 @@ def test_while_the_motion_tells_no_load_from_another_intervals_say_so():
     feed(online, walker.measure(motion, 2.0))
     finding = {one.kind: one for one in online.findings}["change-ambiguous"]
     assert {"X1", "X2"} <= set(finding.parameters)
-    loaded = (
-        walker.leg.reduction.collect[:, 10:20]
-        @ pin.Inertia(2.0, np.array(PLACE), np.zeros((3, 3))).toDynamicParameters()
-    )
+    sand = pin.Inertia(2.0, np.array(PLACE), np.zeros((3, 3))).toDynamicParameters()
+    loaded = walker.leg.reduction.collect[:, 10:20] @ sand
     estimate = online.estimate
     error = estimate.values[:9] - walker.leg.parameters - loaded
     assert (np.abs(error) < 5.0 * estimate.std[:9]).all()
