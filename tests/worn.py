@@ -30,13 +30,10 @@ def log(motion: Swing, tau_wearer: np.ndarray | float = 0.0, *, noise: float = 1
     rng = np.random.default_rng([seed, motion.seed])
     q, tau = motion.motion[0], motion.torque - tau_wearer
     angles = q + noise * ANGLE_NOISE * rng.standard_normal(q.shape)
-    return (
-        motion.encoders_only()
-        if noise == 0.0 and np.ndim(tau_wearer) == 0
-        else dataclasses.replace(
-            motion.encoders_only(), q=angles, tau=tau + noise * TORQUE_NOISE * rng.standard_normal(q.shape)
-        )
-    )
+    if noise == 0.0 and np.ndim(tau_wearer) == 0:
+        return motion.encoders_only()
+    tau = tau + noise * TORQUE_NOISE * rng.standard_normal(q.shape)
+    return dataclasses.replace(motion.encoders_only(), q=angles, tau=tau)
 
 
 def unworn_estimate(leg: Leg, seed: int = 1, noise: float = 1.0) -> Estimate:

@@ -94,6 +94,8 @@ class LawInC:
         leg: Model of the leg; None if the law needs none.
         limit: Largest torque [N·m], (n,); inf for none.
         slew: Largest rate of change of the torque [N·m/s], (n,); inf for none.
+        settling: Number of steps after which filters have settled, with a status and a check of angles; 0 for none.
+        farthest: Largest change of an angle in one step of such a law [rad].
         solver: Whether the step calls a solver of quadratic programs, ``in->solve``.
     """
 
@@ -111,6 +113,8 @@ class LawInC:
     leg: LegInC | None = None
     limit: FloatArray | float = np.inf
     slew: FloatArray | float = np.inf
+    settling: int = 0
+    farthest: float = np.inf
     solver: bool = False
 
 

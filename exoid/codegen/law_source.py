@@ -128,13 +128,11 @@ def _tables(leg: LegInC, needed: frozenset[str], dialect: Dialect) -> Iterator[C
 
 def _settings(law: LawInC, damping: FloatArray, n: int) -> Iterator[ArrayInC]:
     """Tables of limits and damping."""
-    limit, slew = for_joints(law.limit, n, "limit"), for_joints(law.slew, n, "slew")
+    limit, change = for_joints(law.limit, n, "limit"), for_joints(law.slew, n, "slew") / law.rate
     without = f"; {ABSURD:g} for none"
     # an infinite limit is a number so large that no torque reaches it: C99 has no literal for infinity
     yield ArrayInC("largest", f"largest torque [N m]{without}", np.minimum(limit, ABSURD))
-    yield ArrayInC(
-        "change", f"largest change of the torque in one step [N m]{without}", np.minimum(slew / law.rate, ABSURD)
-    )
+    yield ArrayInC("change", f"largest change of the torque in one step [N m]{without}", np.minimum(change, ABSURD))
     yield ArrayInC("absurd", "size from which a number is absurd", np.array(ABSURD))
     if damping.any():
         yield ArrayInC("safe_damping", "damping of the safe torque [N m s/rad]", damping)
@@ -151,8 +149,6 @@ def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:
 def _plausible(law: LawInC, source: str, prefix: str) -> str:
     """Condition that the measurements, or the reference, are plausible."""
     joints = f"{prefix.upper()}_JOINTS"
-    measured = [f"{prefix}_plausible(in->{name}, {joints})" for name in ("q", "v")] if source == "reading" else []
-    others = [
-        f"{prefix}_plausible(in->{each.name}, {each.size or joints})" for each in law.inputs if each.source == source
-    ]
-    return " && ".join((*measured, *others))
+    measured = [("q", None), ("v", None)] if source == "reading" else []
+    read = (*measured, *((each.name, each.size) for each in law.inputs if each.source == source))
+    return " && ".join(f"{prefix}_plausible(in->{name}, {size or joints})" for name, size in read)

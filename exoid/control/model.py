@@ -9,18 +9,23 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from exoid._typing import FloatArray
+from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
+from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 from exoid.leg.model import configuration
+from exoid.regression.diagnostics import SIZE
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 
 from .law import RATE
 from .other_term import OtherTerm, torque_of
+
+CAD = 0.3
+"""Standard deviation of a link's mass in a URDF, relative to the mass."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +62,8 @@ class ControlModel:
         """Make the model of an estimate, a leg or a plant.
 
         Args:
-            source: An estimate, a leg (bodies only), a plant of one rig (its true parameters), or such a model. What
-                an estimate leaves open by more than all torque of a joint is that of the leg as it was given.
+            source: An estimate, a leg (bodies only), a plant of one rig (its true parameters), or such a model. See
+                :func:`completed` for parameters that an estimate does not determine.
 
         Returns:
             The model.
@@ -70,10 +75,11 @@ class ControlModel:
             return source
         if isinstance(source, Estimate):
             known = completed(source)
-            if known is not source:
-                open_ = [name for name, x, y in zip(source.names, source.std, known.std, strict=True) if y < 0.5 * x]
-                what = "not determined by the recordings, and taken from the leg as it was given"
-                warnings.warn(f"{what}: {', '.join(open_)}", UserWarning, stacklevel=2)
+            found = zip(source.names, source.identifiability, source.values, known.values, strict=True)
+            open_ = [f"{name} = {new:.3g}" for name, kind, old, new in found if kind == "not" and abs(new - old) > 1e-9]
+            if open_:
+                what = "not determined by the recordings, and used with values near the leg as it was given and near"
+                warnings.warn(f"{what} zero for friction and offsets: {', '.join(open_)}", UserWarning, stacklevel=2)
             return cls.of_parameters(source.model, known.values)
         if isinstance(source, Leg):
             nothing = np.zeros(len(source.joint_names))
@@ -134,10 +140,8 @@ class ControlModel:
             ExoidError: The model has terms that a rig does not have, or no bodies have such parameters.
         """
         if self.others or len(self.spring) > STIFFNESS_DEGREE + 1:
-            raise NotSupportedError(
-                "the rig has no such friction or stiffness",
-                remedy=f"identify Coulomb and viscous friction, and stiffness of degree {STIFFNESS_DEGREE} at most",
-            )
+            remedy = f"identify Coulomb and viscous friction, and stiffness of degree {STIFFNESS_DEGREE} at most"
+            raise NotSupportedError("the rig has no such friction or stiffness", remedy=remedy)
         powers = range(len(self.spring) - 1, -1, -1)
         rows = {f"b{power}": row for power, row in zip(powers, self.spring, strict=True)}
         rows |= {"c0": self.coulomb.clip(0.0), "d": self.viscous.clip(0.0), "Ia": self.armature.clip(0.0)}
@@ -294,11 +298,9 @@ def possible_mass_matrix(model: ControlModel, pose: FloatArray) -> FloatArray:
     """Mass matrix at a pose; refuse one that no links have: feedback through it would drive the leg away."""
     M = model.mass_matrix(pose)
     if np.linalg.eigvalsh(M)[0] <= 0.0:
-        raise NotIdentifiableError(
-            f"no links have this mass matrix, with {np.diagonal(M).round(4).tolist()} kg·m² on its diagonal",
-            where=model.leg.description.name,
-            remedy="look at the findings of the estimate, such as signs of torques, and record faster motion",
-        )
+        what = f"no links have this mass matrix, with {np.diagonal(M).round(4).tolist()} kg·m² on its diagonal"
+        remedy = "look at the findings of the estimate, such as signs of torques, and record faster motion"
+        raise NotIdentifiableError(what, where=model.leg.description.name, remedy=remedy)
     return M
 
 
@@ -328,18 +330,41 @@ ModelSource = Estimate | Leg | Plant | ControlModel
 
 
 def completed(source: Estimate) -> Estimate:
-    """Take what an estimate leaves open by more than all torque of a joint from the leg as it was given."""
-    # Bayes' rule with a prior β₀ ± s of these parameters alone, s the size that explains all torque of a joint. What
-    # the recordings say of their combinations stays, so the torque in the recorded motion does not change.
-    given = np.zeros(len(source.names))
-    given[: len(source.model.leg.parameters)] = source.model.leg.parameters
-    size = np.where(source.parameter_scale > 0.0, source.parameter_scale, np.abs(given))
-    free = np.flatnonzero((source.std > size) & (size > 0.0))
+    """Take what an estimate does not determine from the leg as it was given, and friction and offsets as zero."""
+    free = np.flatnonzero((np.array(source.identifiability) == "not") & (source.std > 0.0))
     if not len(free):
         return source
-    C, std = source.covariance, np.hypot(source.std, size)[free]
-    correlation = (C[np.ix_(free, free)] + np.diag(size[free] ** 2)) / np.outer(std, std)
-    gain = np.linalg.solve(correlation, (C[:, free] / std).T).T / std
+    if len(free) == len(source.names):
+        what, where = "the recordings determine no parameter: a law would compensate noise", source.leg.description.name
+        remedy = "identify with a longer or faster log, or give the leg itself (exoid.Leg) as the model"
+        raise NotIdentifiableError(what, where=where, remedy=remedy, parameters=source.names)
+    # Bayes' rule with a prior of these alone. It is as wide as a CAD model may be wrong, not as all torque of the log:
+    # where joints stick, friction looks like ten times the gravity. Combinations that the log determines stay.
+    leg, count = source.model.leg, len(source.model.leg.parameters)
+    given = np.zeros(len(source.names))
+    given[:count] = leg.parameters
+    prior = np.diag((SIZE * np.minimum(source.parameter_scale, source.reference_scale)) ** 2)
+    bodies = payload_covariance(leg, CAD * leg.link_parameters.reshape(-1, 10)[:, 0])
+    prior[:count, :count] = bodies + 0.1 * np.diag(np.diag(bodies))  # point masses alone have a singular one in space
+    C, apart, among = source.covariance, (given - source.values)[free], np.ix_(free, free)
+    # Where both contradict each other (χ² over its mean of 1), errors of the model are not in the covariance C
+    for _ in range(40):  # a singular one cannot agree
+        C = C * (1.0 + (apart @ np.linalg.solve(C[among] + prior[among], apart) > len(free)))
+    gain = np.linalg.solve(C[among] + prior[among], C[free]).T
     covariance = C - gain @ C[free]
-    values = source.values + gain @ (given - source.values)[free]
-    return replace(source, values=values, covariance=0.5 * (covariance + covariance.T))
+    return replace(source, values=source.values + gain @ apart, covariance=0.5 * (covariance + covariance.T))
+
+
+def payload_covariance(leg: Leg, payload: ArrayLike) -> FloatArray:
+    """Covariance of changes of the leg's parameters by masses [kg] on the links, distributed like their own, (p, p)."""
+    changes, links = [], pseudo_inertias(make_consistent(leg.link_parameters))
+    directions = np.vstack([np.zeros(3), np.eye(3), -np.eye(3)]) * np.sqrt(3.5)  # seven places with unit variance
+    for link, (P, mass) in enumerate(zip(links, np.broadcast_to(payload, len(links)), strict=True)):
+        centre = P[:3, 3] / P[3, 3]
+        squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
+        places = centre + directions @ (axes * np.sqrt(squares)).T
+        bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
+        collected = leg.reduction.collect[:, 10 * link : 10 * link + 10] @ np.transpose(bodies)
+        changes.append(mass / np.sqrt(len(places)) * collected)
+    change = np.hstack(changes)
+    return np.asarray(change @ change.T)

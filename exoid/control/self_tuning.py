@@ -7,14 +7,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
-from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical, lift
-from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 from exoid.online.advance import advance
 from exoid.online.settings import Settings
 from exoid.online.solution import belief, estimate_of, started
@@ -30,7 +27,7 @@ from exoid.torques.motion import random_motion
 from .friction import WIDTH
 from .law import RATE, State, acceleration, sound
 from .laws import pd
-from .model import ControlModel, ModelSource, completed
+from .model import ControlModel, ModelSource, completed, payload_covariance
 from .tracking_law import TrackingLaw
 
 TIME_CONSTANT = 0.3
@@ -219,21 +216,6 @@ def self_tuning(
     # The cut-off is what the rate can carry. Noise of the angles costs the law more than a harmonic that is missing
     settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5), flat=False)
     return SelfTuning(feedback, replace(known, covariance=covariance), settings)
-
-
-def payload_covariance(leg: Leg, payload: float) -> FloatArray:
-    """Covariance of changes of the leg's parameters by a mass [kg] on each link, distributed like its own, (p, p)."""
-    changes = []
-    directions = np.vstack([np.zeros(3), np.eye(3), -np.eye(3)]) * np.sqrt(3.5)  # seven places with unit variance
-    for link, P in enumerate(pseudo_inertias(make_consistent(leg.link_parameters))):
-        centre = P[:3, 3] / P[3, 3]
-        squares, axes = np.linalg.eigh(P[:3, :3] / P[3, 3] - np.outer(centre, centre))
-        places = centre + directions @ (axes * np.sqrt(squares)).T
-        bodies = [pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters() for place in places]
-        collected = leg.reduction.collect[:, 10 * link : 10 * link + 10] @ np.transpose(bodies)
-        changes.append(payload / np.sqrt(len(places)) * collected)
-    change = np.hstack(changes)
-    return np.asarray(change @ change.T)
 
 
 def exact_estimate(model: ControlModel) -> Estimate:

@@ -94,16 +94,8 @@ def _suspect(settings: Settings, state: State, rows: Rows) -> State:
 def _named(settings: Settings, state: State, verdict: Verdict) -> State:
     """Report a change, in place of another name that was reported for the same rows."""
     detector, one = state.detector, settings.detection.hypotheses[verdict.best]
-    change = Change(
-        sample=state.samples,
-        time=state.samples / settings.rate,
-        kind=one.kind,
-        joint=one.joint,
-        parameters=one.parameters,
-        statistic=verdict.ratio,
-        size=verdict.size,
-        values=tuple(detector.values.tolist()),
-    )
+    what, values = (one.kind, one.joint, one.parameters, verdict.ratio, verdict.size), tuple(detector.values.tolist())
+    change = Change(state.samples, state.samples / settings.rate, *what, values)
     earlier = state.changes[: len(state.changes) - (detector.named >= 0)]
     return state._replace(detector=detector._replace(named=verdict.best), changes=(*earlier, change)[-REMEMBERED:])
 

@@ -30,8 +30,8 @@ from .settings import Settings
 from .solution import root_of
 from .state import WARM_UP, Detector, State
 
-WINDOW = 1.0
-"""Time constant of the discounted sums of innovations [s]."""
+WINDOW, SLIP = 1.0, 10.0
+"""Time constant of the discounted sums of innovations, and time for which a suspicion may be a jump of an angle [s]."""
 
 CLEARLY = 30.0
 """Difference of two likelihood ratios that tells hypotheses apart: 2 ln(1/p) for p = 3e-7."""
@@ -113,6 +113,9 @@ def judge(settings: Settings, state: State) -> Verdict:
     worth = np.where(ratios > 1.0, (statistics - 5.0 * unit) * detection.dimensions, -np.inf)
     best = int(np.argmax(worth)) if (ratios > 1.0).any() else -1
     candidates = tuple(np.flatnonzero(worth > worth[best] - CLEARLY * unit).tolist()) if best >= 0 else ()
+    if best >= 0:  # what follows a slip of an encoder may be the slip
+        recent = state.samples - detector.crossing * settings.block - state.slips < SLIP * settings.rate
+        candidates = tuple(sorted({*candidates, *np.array(faults)[settings.n : 2 * settings.n][recent].tolist()}))
     lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
     complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
     torn = left > TORN and changed - everything > BENT * changed and independent > 2.0 * len(moving)

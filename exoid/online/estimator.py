@@ -20,7 +20,7 @@ from .findings import doubts_of, findings_of
 from .settings import Settings
 from .solution import estimate_of, started
 from .state import Change, State, begin, restarted
-from .stream import Sample, Stream, as_table, moved, one_sample, take
+from .stream import Sample, Stream, as_table, one_sample, take
 
 
 class RecursiveEstimator:
@@ -163,16 +163,19 @@ class RecursiveEstimator:
 
     def _take(self, sample: Sample, stamp: float) -> None:
         """Take one sample in; a complete block goes on."""
-        self._stream, samples, gap = take(self.settings, self._stream, sample, stamp)
+        stream = self._stream._replace(received=self._stream.received + 1)
+        self._stream, samples, gap = take(self.settings, stream, sample, stamp)
         if self.settings.cutoff is None:
             samples = samples[-1:]
         elif gap:
-            self._pending, self._state = [], restarted(self.settings, self._state)
+            self._pending, self._state = [], restarted(self.settings, self._state, self._stream.slipped)
         for one in samples:
             self._pending.append(one)
             if len(self._pending) == self.settings.block:
-                if self._stream.given[0]:
-                    self._stream = moved(self._stream, np.array(self._pending), self.settings.rate)
+                if self._stream.given[0]:  # both ways of the block
+                    q, v = np.split(np.array(self._pending)[:, : 2 * self.settings.n], 2, axis=1)
+                    ways = (q[-1] - q[0]) * [q[-1] - q[0], (v.sum(axis=0) - 0.5 * (v[0] + v[-1])) / self.settings.rate]
+                    self._stream = self._stream._replace(travel=self._stream.travel + ways)
                 self._state, self._pending = self._advanced(), []
 
     def _advanced(self) -> State:
@@ -190,9 +193,6 @@ def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> To
         return TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
     model = TorqueModel(leg, start.model.terms if terms is None else tuple(terms), separate=start.names)
     if model.names != start.names:
-        raise BadArgumentError(
-            f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}",
-            where=leg.description.name,
-            remedy="pass an estimate of the same leg and terms",
-        )
+        what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"
+        raise BadArgumentError(what, where=leg.description.name, remedy="pass an estimate of the same leg and terms")
     return model

@@ -15,11 +15,8 @@ from .settings import Settings
 from .state import State
 from .stream import FAULTS, Stream
 
-FALLEN = 10.0
-"""Ratio of residuals to the smallest so far from which on they contradict the intervals."""
-
-CONTRADICTED = 3.0
-"""Mean statistic of a minute from which on it is reported; 1 while only noise, and what is not yet known, errs."""
+FALLEN, CONTRADICTED = 10.0, 3.0
+"""Ratio of residuals to the smallest so far, and mean statistic of a minute (1 for noise) that contradict intervals."""
 
 PACE = 0.01
 """Error of the sampling rate, and of the scale of velocities, that counts."""

@@ -44,10 +44,8 @@ class Settings:
         for block in self.model.blocks:
             term = block.term
             if term.internal_state is not None or term.loaded:
-                raise NotSupportedError(
-                    f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample",
-                    remedy="use Coulomb and Viscous friction without presliding online",
-                )
+                what = f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample"
+                raise NotSupportedError(what, remedy="use Coulomb and Viscous friction without presliding online")
         checked(self.rate, "the rate in Hz", above=0.0, ndim=0)
         checked(self.memory, "the memory in s", above=0.0, infinite=True, ndim=0)
         checked([self.reversal_speed, self.false_alarms], "the reversal speed or rate of false alarms", least=0.0)
@@ -154,10 +152,8 @@ def kernels(rate: float, cutoff: float, *, flat: bool = False) -> FloatArray:
     # polynomial that keeps parabolas as they are: it takes 1 % of a signal at 0.38 of its cut-off, a Gaussian 5 %.
     sigma = 1.0 / (cutoff * _width(flat=flat)) if cutoff > 0.0 else math.inf
     if not NARROWEST <= sigma * rate < 1e5:
-        raise BadArgumentError(
-            f"a causal low-pass of {cutoff:.4g} Hz at {rate:.4g} samples a second",
-            remedy=f"choose a cut-off below {rate / (NARROWEST * _width(flat=flat)):.3g} Hz, and the rate in Hz",
-        )
+        remedy = f"choose a cut-off below {rate / (NARROWEST * _width(flat=flat)):.3g} Hz, and the rate in Hz"
+        raise BadArgumentError(f"a causal low-pass of {cutoff:.4g} Hz at {rate:.4g} samples a second", remedy=remedy)
     half = math.ceil((4.0 + flat) * sigma * rate)
     t, found = np.arange(-half, half + 1) / (sigma * rate), []
     for k in range(3):
@@ -175,7 +171,4 @@ def _width(*, flat: bool) -> float:
 
 def _sliding(weights: FloatArray, rows: range) -> FloatArray:
     """Matrix that applies weights to the samples behind a history of as many samples less one."""
-    matrix = np.zeros((len(rows), len(weights) - 1 + rows.stop))
-    for k, row in enumerate(rows):
-        matrix[k, row : row + len(weights)] = weights
-    return matrix
+    return np.array([np.pad(weights, (row, rows.stop - 1 - row)) for row in rows])

@@ -108,6 +108,7 @@ class State(NamedTuple):
     detector: Detector
     checkpoints: tuple[Information, ...]  # information one, two and three seconds ago, for the case of a change
     changes: tuple[Change, ...]
+    slips: FloatArray  # samples before the angle of each joint jumped and stayed, (n,)
 
 
 def begin(settings: Settings) -> State:
@@ -141,15 +142,17 @@ def begin(settings: Settings) -> State:
         ),
         checkpoints=(Information(R, rows),) * 3,
         changes=(),
+        slips=np.full(n, -np.inf),
     )
     return restarted(settings, state)
 
 
-def restarted(settings: Settings, state: State) -> State:
-    """Forget the last samples, as after a gap: rows come again when the filters are full."""
-    n = settings.n
+def restarted(settings: Settings, state: State, slipped: tuple[int, ...] = ()) -> State:
+    """Forget the last samples, as after a gap or where encoders slipped: rows come again when the filters are full."""
+    n, slips = settings.n, state.slips.copy()
+    slips[list(slipped)] = state.samples
     motion, columns = np.zeros_like(state.motion), np.zeros_like(state.columns)
     motion[:, 4 * n :] = UNKNOWN
     columns[:, len(settings.acting[0]) + n :][:, :n] = UNKNOWN
     correlation = state.correlation._replace(tail=np.zeros((LAGS, n)), used=np.zeros((LAGS, n)))
-    return state._replace(motion=motion, columns=columns, correlation=correlation)
+    return state._replace(motion=motion, columns=columns, correlation=correlation, slips=slips)

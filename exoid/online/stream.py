@@ -15,8 +15,8 @@ from exoid.signals.checks import FASTEST
 
 from .settings import Settings
 
-BRIDGED = 3
-"""Largest number of consecutive samples that are missing and replaced by straight lines."""
+BRIDGED, JITTER = 3, 0.75
+"""Largest number of consecutive missing samples that straight lines replace, and jitter of time stamps [periods]."""
 
 REFUSED = 1.0
 """Time without a plausible sample after which a jump is believed; after twice that the stream is refused [s]."""
@@ -24,6 +24,10 @@ REFUSED = 1.0
 FAULTS = {
     "not-finite": ("samples with NaN or infinite numbers were left out", "look at the connection of the sensor"),
     "angle-jump": ("samples whose angle jumped were left out", "look at the encoder, and for angles in degrees"),
+    "time-jump": (
+        "samples whose time stamp jumped were left out",
+        "look at the clock, and for stamps that are not in s",
+    ),
     "repeated-sample": ("samples that came twice were left out", "send each sample once"),
     "missing-samples": ("samples are missing", "send all samples, at an even rate"),
     "saturated-torque": ("torques at their limit were left out", "move more gently, or take a larger drive"),
@@ -43,11 +47,13 @@ class Stream(NamedTuple):
 
     given: tuple[bool, ...] = ()  # whether velocities and accelerations are given; empty before the first sample
     last: Sample = ()  # last plausible sample; empty before the first
-    time: float = math.nan  # its time stamp [s]; NaN without time stamps
+    time: float = math.nan  # its time by a clock that follows the stamps [s]; NaN without time stamps
+    stamp: float = math.nan  # time stamp of the last sample, also of one that was refused [s]
     missing: int = 0  # samples that are missing since then
     implausible: int = 0  # samples that were refused since the last plausible one
     held: tuple[int, ...] = ()  # samples for which the torque of each joint has kept one value; empty before the first
     since: Sample = ()  # angle of each joint when that began [rad]; infinite once it is stuck
+    slipped: tuple[int, ...] = ()  # joints whose angle jumped to the last plausible sample, and stayed there
     # squared ways of the blocks by angles, and products with those by velocities [rad²], (2, n)
     travel: FloatArray = np.zeros((2, 1))
     periods: float = 0.0  # sampling periods that time stamps say have passed
@@ -64,65 +70,69 @@ class Stream(NamedTuple):
 def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tuple[Stream, tuple[Sample, ...], bool]:
     """Look at a sample of q, v, a and τ, (4 n,): the stream, samples that go on, and whether filters start again."""
     n, last = settings.n, stream.last
-    if not math.isfinite(sum(sample)):
+    if not math.isfinite(sum(sample)) or math.isinf(time):
         return _refused(settings, stream, "not-finite"), (), False
-    if last and not math.isnan(time) and not math.isnan(stream.time):
-        steps = (time - stream.time) * settings.rate
-        if not steps > 0.5:
-            return stream.with_fault("repeated-sample")._replace(received=stream.received + 1), (), False
-        late = round(steps) - 1
-        stream = stream._replace(periods=stream.periods + steps, counted=stream.counted + late + 1)
-        if late > stream.missing:
-            stream = stream.with_fault("missing-samples", late - stream.missing)._replace(missing=late)
+    stream, clock, fault = _clocked(settings, stream, sample, time)
+    if fault == "repeated-sample":
+        return stream.with_fault(fault), (), False
+    if fault:
+        return _refused(settings, stream, fault), (), False
     q, missing = sample[:n], stream.missing
-    if last:
-        jumped = max(map(abs, map(sub, q, last))) > FASTEST / settings.rate * (1 + missing)
-        if jumped and stream.implausible < settings.rate * REFUSED:
-            return _refused(settings, stream, "angle-jump"), (), False
-    if max(map(abs, q)) > 2.0 * LARGEST_ANGLE:
-        worst = max(range(n), key=lambda k: abs(q[k]))
-        name = settings.model.joint_names[worst]
-        what = f"{name} at {q[worst]:.4g} rad: no joint of a leg turns twice"
-        raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))
-    marks, tau = (0.0,) * n, sample[3 * n :]
-    if settings.torque_limits:
-        marks = tuple(float(abs(x) >= y) for x, y in zip(tau, settings.torque_limits, strict=True))
-        if any(marks):
-            stream = stream.with_fault("saturated-torque")
+    limit = FASTEST / settings.rate * (1 + missing)
+    if last and stream.implausible < settings.rate * REFUSED and max(map(abs, map(sub, q, last))) > limit:
+        return _refused(settings, stream, "angle-jump"), (), False
+    for name, x in zip(settings.model.joint_names, q, strict=True):
+        if abs(x) > 2.0 * LARGEST_ANGLE:
+            what = f"{name} at {x:.4g} rad: no joint of a leg turns twice"
+            raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))
+    tau = sample[3 * n :]
+    marks = tuple(float(abs(x) >= y) for x, y in zip(tau, settings.torque_limits, strict=False)) or (0.0,) * n
+    if any(marks):
+        stream = stream.with_fault("saturated-torque")
     held, since = _held(stream, q, tau, settings.rate)
     if math.inf in since:
         marks = tuple(max(mark, float(math.isinf(x))) for mark, x in zip(marks, since, strict=True))
         stream = stream.with_fault("stuck-torque")
-    now, received = (*sample, *marks), stream.received + 1
-    after = stream._replace(last=now, time=time, missing=0, implausible=0, held=held, since=since, received=received)
-    if not (last and 0 < missing <= BRIDGED):
-        return after, (now,), missing > BRIDGED
-    shares = [k / (missing + 1.0) for k in range(1, missing + 1)]
+    now = (*sample, *marks)  # a reading that was off comes back, an encoder that slipped does not
+    slipped = tuple(j for j in range(n) if stream.implausible and last and abs(q[j] - last[j]) > 0.5 * limit)
+    after = stream._replace(last=now, time=clock, missing=0, implausible=0, held=held, since=since, slipped=slipped)
+    gap = missing > BRIDGED or bool(slipped)
+    shares = [k / (missing + 1.0) for k in range(1, missing + 1)] if last and not gap else []
     bridge = (tuple(x + share * (y - x) for x, y in zip(last, now, strict=True)) for share in shares)
-    return after, (*bridge, now), False
+    return after, (*bridge, now), gap
+
+
+def _clocked(settings: Settings, stream: Stream, sample: Sample, time: float) -> tuple[Stream, float, str]:
+    """Count the samples that are missing by a time stamp: the stream, the time by its clock, and a fault or ""."""
+    before, stream = stream.stamp, stream._replace(stamp=time)
+    if not stream.last or math.isnan(time - stream.time):
+        return stream, time, ""
+    steps, ticks = (time - stream.time) * settings.rate, (time - before) * settings.rate
+    if ticks == 0.0 or (steps < 0.5 and sample == stream.last[: len(sample)]):
+        return stream, time, "repeated-sample"
+    follows, late = 0.0 < ticks < BRIDGED + 1.5, BRIDGED + 1
+    if follows:  # rounding errors of jitter cancel
+        stream = stream._replace(periods=stream.periods + ticks, counted=stream.counted + round(ticks))
+    if -JITTER < steps < REFUSED * settings.rate:
+        late = max(0, math.floor(steps - JITTER))
+        follow = max(0.05, 1.0 / stream.received)  # a clock that averages stamps has less jitter than each
+        time = stream.time + (1.0 + late + follow * (steps - 1.0 - late)) / settings.rate
+    elif not follows:  # a pause, or a clock that was set, is believed once two stamps agree
+        return stream, time, "time-jump"
+    if late > stream.missing:
+        stream = stream.with_fault("missing-samples", late - stream.missing)._replace(missing=late)
+    return stream, time, ""
 
 
 def _held(stream: Stream, q: Sample, tau: Sample, rate: float) -> tuple[tuple[int, ...], Sample]:
     """Samples for which the torque of each joint has kept one value, and its angle since; infinite once it is stuck."""
-    n, last = len(q), stream.last
-    held = stream.held or (0,) * n
-    if last:
-        held = tuple(count + 1 if x == y else 0 for count, x, y in zip(held, tau, last[3 * n :], strict=False))
+    kept = zip(stream.held, tau, stream.last[3 * len(q) :], strict=False)
+    held = tuple(count + 1 if x == y else 0 for count, x, y in kept) or (0,) * len(q)
     if not any(held):
         return held, q
-    since = []
-    for count, begun, x in zip(held, stream.since, q, strict=True):
-        stuck = count > STUCK * rate and abs(x - begun) > MOVED
-        since.append(math.inf if stuck else begun if count else x)
-    return held, tuple(since)
-
-
-def moved(stream: Stream, samples: FloatArray, rate: float) -> Stream:
-    """Add how far joints move in a block, by their angles and by their velocities."""
-    n = samples.shape[1] // 5
-    by_angle, v = samples[-1, :n] - samples[0, :n], samples[:, n : 2 * n]
-    by_velocity = (v.sum(axis=0) - 0.5 * (v[0] + v[-1])) / rate
-    return stream._replace(travel=stream.travel + np.array([by_angle**2, by_angle * by_velocity]))
+    stuck = [k > STUCK * rate and abs(x - begun) > MOVED for k, begun, x in zip(held, stream.since, q, strict=True)]
+    since = zip(stuck, held, stream.since, q, strict=True)
+    return held, tuple(math.inf if one else begun if count else x for one, count, begun, x in since)
 
 
 def one_sample(q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int) -> Sample | None:
@@ -160,8 +170,5 @@ def _refused(settings: Settings, stream: Stream, kind: str) -> Stream:
     refused = stream.implausible + 1
     if refused > 2.0 * REFUSED * settings.rate:
         message, remedy = FAULTS[kind]
-        what = f"no plausible sample for {refused / settings.rate:.3g} s ({message})"
-        raise UnreadableInputError(what, remedy=remedy)
-    return stream.with_fault(kind)._replace(
-        missing=stream.missing + 1, implausible=refused, received=stream.received + 1
-    )
+        raise UnreadableInputError(f"no plausible sample for {2.0 * REFUSED:.3g} s ({message})", remedy=remedy)
+    return stream.with_fault(kind)._replace(missing=stream.missing + 1, implausible=refused)

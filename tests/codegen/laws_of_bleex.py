@@ -52,7 +52,7 @@ def model() -> ControlModel:
     estimate = made_up(leg, TERMS, seed=3)
     own = len(leg.parameter_names)
     values = np.concatenate([leg.parameters, 0.3 * np.abs(estimate.values[own:])])  # friction that resists
-    return ControlModel.of(made_up(leg, TERMS, values=values, covariance=np.diag(values**2)))
+    return ControlModel.of(made_up(leg, TERMS, values=values, covariance=np.diag((0.1 * values) ** 2)))
 
 
 @cache

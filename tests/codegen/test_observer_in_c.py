@@ -11,6 +11,7 @@ from laws_of_bleex import model
 from exoid.codegen import Safety, c_source
 from exoid.control.observers import MomentumObserver, SensorNoise
 
+JUMPED, SETTLING = 3, 4
 NOISE = SensorNoise(1e-4, 1e-2, 0.1)
 OBSERVERS = {
     "observer": MomentumObserver(model(), 8.0, 200.0, noise=NOISE, torque_delay=0.0),
@@ -60,7 +61,8 @@ def test_a_moving_leg(library, name, precision, tolerance):
     law, observer = library[f"{name}_{precision}"], OBSERVERS[name]
     values, pushed = motion(120, observer.rate)
     tau, status, _ = law.run(records(law.source, 120, values))
-    assert not status.any()
+    assert np.flatnonzero(status == SETTLING).tolist() == list(range(observer.settling))
+    assert not status[observer.settling :].any()
     expected = in_python(observer, values)
     largest = np.abs(np.concatenate([values["tau_m"], expected])).max()
     np.testing.assert_allclose(tau, expected, atol=tolerance * largest)
@@ -68,16 +70,26 @@ def test_a_moving_leg(library, name, precision, tolerance):
 
 
 @needs_compiler
-def test_a_reading_that_is_not_finite_is_zero_and_the_observer_begins_again(library):
+@pytest.mark.parametrize(("field", "wrong", "said"), [("tau_m", np.nan, 1), ("v", np.inf, 1), ("q", 0.5, JUMPED)])
+def test_after_a_reading_that_python_refuses_the_observer_says_that_it_settles(library, field, wrong, said):
     law, observer = library["observer_double"], OBSERVERS["observer"]
-    values, _ = motion(60, observer.rate)
+    values, _ = motion(150, observer.rate)
     spoilt = {name: x.copy() for name, x in values.items()}
-    spoilt["tau_m"][30, 2] = np.nan
-    tau, status, _ = law.run(records(law.source, 60, spoilt))
-    assert np.flatnonzero(status).tolist() == [30]
-    assert not tau[30].any()
-    after = in_python(observer, {name: x[31:] for name, x in values.items()})
-    np.testing.assert_allclose(tau[31:], after, atol=1e-10)
+    spoilt[field][60, 2] += wrong
+    tau, status, _ = law.run(records(law.source, 150, spoilt))
+    settling = [SETTLING] * observer.settling
+    assert status.tolist() == [*settling, *[0] * (60 - len(settling)), said, *settling, *[0] * (89 - len(settling))]
+    assert not tau[60].any()
+    after = in_python(observer, {name: x[61:] for name, x in values.items()})
+    np.testing.assert_allclose(tau[61:], after, atol=1e-10)
+    undisturbed, *_ = law.run(records(law.source, 150, values))
+    np.testing.assert_allclose(tau[status == 0], undisturbed[status == 0], atol=0.1)
+    repeated = records(law.source, 150, values)
+    repeated["reading"][60:] -= 1
+    assert np.flatnonzero(law.run(repeated)[1] == SETTLING).tolist() == [
+        *range(len(settling)),
+        *range(60, 60 + len(settling)),
+    ]
 
 
 @needs_compiler
@@ -90,6 +102,6 @@ def test_the_observer_is_finite_whatever_it_reads(library, field, wrong):
     rows[field][5, 1] = wrong
     rows["reading"][8:] = rows["reading"][7]
     tau, status, _ = law.run(rows)
-    assert status.tolist() == [0] * 5 + [1] + [0] * 6
+    assert status.tolist() == [SETTLING] * 5 + [1] + [SETTLING] * 6
     assert np.isfinite(tau).all()
     assert not tau[5].any()

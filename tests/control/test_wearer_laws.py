@@ -26,9 +26,6 @@ HOLD = Hold(POSE[:, None])
 EXACT = Sensors(np.inf)
 
 
-# ------------------------------------------------------------------------------------------- friction
-
-
 def test_friction_compensation_never_drives():
     """Its power is positive and at most that of the true friction; at rest it is zero."""
     model = ControlModel.of(RUBBING)
@@ -51,9 +48,6 @@ def test_friction_of_the_wrong_sign_is_not_compensated(c0, d):
     assert (torque == 0.0)[:, np.abs(v[0]) > 2.0].all() or d > 0.0
 
 
-# --------------------------------------------------------------------------------------------- weight
-
-
 @pytest.mark.nightly
 @pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
 def test_the_wearer_carries_the_rest_of_the_weight(share):
@@ -63,9 +57,6 @@ def test_the_wearer_carries_the_rest_of_the_weight(share):
     weight = SMOOTH.leg.gravity(run.q[-1])[0]
     assert np.abs(weight).min() > 0.5
     np.testing.assert_allclose(run.interaction[-1], (1.0 - share) * weight, atol=0.01)
-
-
-# ------------------------------------------------------------------------------------------ impedance
 
 
 @pytest.mark.slow
@@ -91,9 +82,6 @@ def test_the_wearer_feels_a_spring_and_a_damper_about_the_target():
     felt = np.einsum("kij,kj->ki", M, accelerations(run)) + 4.0 * run.v - 30.0 * error
     difference = np.sqrt(np.mean((run.interaction - felt)[late] ** 2, axis=0))
     assert (difference < 0.02 * run.rms_interaction).all()
-
-
-# -------------------------------------------------------------------------- sensitivity amplification
 
 
 def felt_share(amplification, bandwidth, rate=1000.0):
@@ -130,9 +118,6 @@ def test_a_model_that_is_too_heavy_makes_the_loop_unstable():
     laws = [sensitivity_amplification(heavy, alpha, bandwidth=60.0) for alpha in (1.2, 1.5)]
     calm, wild = (simulate_law(SMOOTH, law, GAIT, 0.4, wearer=WALKING) for law in laws)
     assert wild.torque_variation.min() > 50.0 * calm.torque_variation.max()
-
-
-# ------------------------------------------------------------------------------------- the worn closed loop
 
 
 def test_the_law_receives_what_the_cuffs_measure():

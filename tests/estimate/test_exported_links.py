@@ -116,9 +116,6 @@ def test_exported_links_are_near_the_urdfs_and_mujoco_finds_their_torques(name, 
         np.testing.assert_allclose(found, expected, rtol=0, atol=EXACT * np.abs(expected).max())
 
 
-# ------------------------------------------------------------------------------------ refused, or allowed
-
-
 @pytest.fixture(scope="module")
 def sure_of_heavy_thigh():
     """An estimate with small errors that only links with a heavy thigh can have nearly."""

@@ -59,9 +59,6 @@ def leg(request):
     return exoid.load_leg(request.param, side, inertias)
 
 
-# ------------------------------------------------------------------------------------- the round trip
-
-
 def test_pinocchio_finds_the_estimate_again(leg, tmp_path):
     estimate = estimate_of(leg, rigid=near(leg, 0.1))
     export = estimate.to_urdf(tmp_path / "leg.urdf")
@@ -147,7 +144,6 @@ BODY = (
     '<inertial><origin xyz="0.01 0 -0.1" rpy="0.1 0.2 0.3"/><mass value="1"/>'
     '<inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
 )
-# ----------------------------------------------------------------------------------------- untouched
 
 
 def without_numbers(text, links, joints):
@@ -201,9 +197,6 @@ def test_inertia_and_friction_are_added_where_there_are_none(tmp_path):
     assert "\n    <dynamics" in export.urdf.read_text(encoding="utf-8")
 
 
-# ------------------------------------------------------------------------------------------ left out
-
-
 def test_friction_that_feeds_energy_in_is_zero_in_the_urdf(tmp_path):
     leg = exoid.load_leg("cuhk")
     export = estimate_of(leg, c0_hip=-0.5, d_knee=-0.1).to_urdf(tmp_path / "leg.urdf")
@@ -213,9 +206,6 @@ def test_friction_that_feeds_energy_in_is_zero_in_the_urdf(tmp_path):
     assert root.find("joint[@name='left_knee']/dynamics").get("damping") == "0.0"
     assert "c0_hip, d_knee below zero" in str(export)
     mujoco.MjModel.from_xml_path(str(export.urdf))
-
-
-# ---------------------------------------------------------------------------------------- infeasible
 
 
 def test_an_estimate_that_cannot_exist_moves_with_its_other_terms_and_says_by_how_much(tmp_path):

@@ -35,18 +35,12 @@ def test_several_recordings_are_judged_over_all_samples_and_one_by_one(data, est
     assert [part["rmse"] for part in data["recordings"]] == [one.rmse.tolist() for one in alone]
 
 
-# -------------------------------------------------------------------------------------------- cut-off
-
-
 def test_a_given_cut_off_puts_estimates_with_other_filters_on_equal_terms(data, estimate):
     """The measured torque is the same to the last bit; behind their own filters it is not."""
     slow = exoid.identify(data.leg, data.train, cutoff=3.0)
     one, other = (exoid.validate(each, data.test, cutoff=6.0) for each in (estimate, slow))
     np.testing.assert_array_equal(one.measured, other.measured)
     assert len(exoid.validate(estimate, data.test).time) != len(exoid.validate(slow, data.test).time)
-
-
-# ------------------------------------------------------------------------------------ band and verdict
 
 
 @pytest.mark.parametrize("cutoff", [None, 4.0])

@@ -119,14 +119,26 @@ def test_while_the_motion_tells_no_load_from_another_intervals_say_so():
     feed(online, walker.measure(motion, 2.0))
     finding = {one.kind: one for one in online.findings}["change-ambiguous"]
     assert {"X1", "X2"} <= set(finding.parameters)
-    loaded = (
-        walker.leg.reduction.collect[:, 10:20]
-        @ pin.Inertia(2.0, np.array(PLACE), np.zeros((3, 3))).toDynamicParameters()
-    )
+    sand = pin.Inertia(2.0, np.array(PLACE), np.zeros((3, 3))).toDynamicParameters()
+    loaded = walker.leg.reduction.collect[:, 10:20] @ sand
     estimate = online.estimate
     error = estimate.values[:9] - walker.leg.parameters - loaded
     assert (np.abs(error) < 5.0 * estimate.std[:9]).all()
     assert not online.changes
+
+
+@pytest.mark.parametrize("joint", ["knee", "ankle"])
+def test_a_load_that_follows_a_jump_of_an_angle_may_be_the_encoder(joint):
+    """The zero of the last joint acts like a mass beside it, and was named a load with narrow intervals."""
+    walker = Walker.of(1001, 1.2)
+    online = estimator(walker)
+    feed(online, walker.walk(30.0))
+    q, tau = walker.walk(25.0, 0.0, 30.0)
+    feed(online, (q + 0.6 * (np.array(walker.leg.joint_names) == joint), tau))
+    finding = {one.kind: one for one in online.findings}["change-ambiguous"]
+    assert f"load at {joint} or angle-offset at {joint}" in finding.message
+    wide = [name in finding.parameters for name in online.estimate.names]
+    assert (online.estimate.std[wide] > np.abs(online.estimate.values[wide])).all()
 
 
 def test_a_load_that_is_taken_off_again_leaves_the_leg_that_was():

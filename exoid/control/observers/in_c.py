@@ -10,6 +10,7 @@ from exoid.control.c_description import leg_in_c
 from exoid.control.friction import FrictionCompensation
 from exoid.control.model import ControlModel
 from exoid.errors import NotSupportedError
+from exoid.signals.checks import FASTEST
 
 from .alignment import HISTORY, Alignment, JointFilter
 
@@ -24,7 +25,7 @@ MEMORY = {
 
 
 def observer_in_c(
-    model: ControlModel, alignment: Alignment, one: JointFilter, width: float, dialect: Dialect
+    model: ControlModel, alignment: Alignment, one: JointFilter, settling: int, width: float, dialect: Dialect
 ) -> LawInC:
     """Describe an observer with measured velocities. It gives the torque, without band and detection."""
     n, rate = model.n, alignment.rate
@@ -66,4 +67,6 @@ def observer_in_c(
             FrictionCompensation("measured", width),
             dialect,
         ),
+        settling=settling,
+        farthest=FASTEST / rate,
     )

@@ -113,7 +113,7 @@ class MomentumObserver:
         Returns:
             Description of inputs, memory and steps.
         """
-        return observer_in_c(self.model, self.alignment, self.filter, self.width, dialect)
+        return observer_in_c(self.model, self.alignment, self.filter, self.settling, self.width, dialect)
 
     @cached_property
     def delay(self) -> float:

@@ -15,6 +15,7 @@ from exoid.regression.every_row import each_row
 from exoid.regression.rows import Prepared, for_leg, prepare
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import stands
+from exoid.torques import Coulomb
 
 SETTLED = 0.05
 """Near an end of a segment, samples count if the filter of the torques has so little of its weight beyond the end."""
@@ -43,12 +44,12 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         torque, variance = compared.predicted - compared.measured, compared.variance
         return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)
     model, count, leg = estimate.band_model, len(estimate.values), len(estimate.model.leg.parameter_names)
-    rubbing = estimate.model.friction
+    rubbing, name, (dry, speed) = estimate.model.friction, recording.file_name, _dry_friction(estimate)
     prepared, data = prepare(estimate.model, recording, preparation, every=True), for_leg(estimate.model, recording)
     prepared = prepared._replace(motion=model.with_states(prepared.motion))
     noise = bandwidth * estimate.noise_variance
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)
-    unknown, bodies, parts = _unknown_friction(estimate, prepared), np.zeros((leg + 1, leg + 1)), []
+    unknown, bodies, parts = _unknown_friction(estimate, prepared, speed), np.zeros((leg + 1, leg + 1)), []
     for stretch, rows in zip(prepared.stretches(), each_row(model, prepared), strict=True):
         keep, share = _at_ends(prepared, stretch, unknown)
         W, tau, share = rows.W[keep], rows.tau[keep], share[keep]
@@ -61,21 +62,16 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         parts.append((rows.time[keep], torque, torque + tau + known, variance, friction, share))
     time, torque, predicted, variance, friction, share = (np.concatenate(part) for part in zip(*parts, strict=True))
     if not len(time):
-        raise NotIdentifiableError(
-            "no sample is so far from the ends of the recording that filters have settled",
-            where=recording.file_name,
-            remedy="record longer, or choose a higher cut-off",
-        )
+        what, remedy = "no sample is so far from the ends of the recording that filters have settled", "record longer"
+        raise NotIdentifiableError(what, where=name, remedy=f"{remedy}, or choose a higher cut-off")
     if not np.isfinite(torque).all():
-        raise UnreadableInputError(
-            "the estimate gives no finite torque for this motion",
-            where=recording.file_name,
-            remedy="check units and spikes of the angles (exoid check)",
-        )
+        what, remedy = "the estimate gives no finite torque for this motion", "check units and spikes of the angles"
+        raise UnreadableInputError(what, where=name, remedy=f"{remedy} (exoid check)")
     size, level = np.where(share < SETTLED, np.abs(friction), np.nan), np.abs(friction).max(axis=0)
     slides = ~np.isnan(size).all(axis=0)
     level[slides] = np.nanmedian(size[:, slides], axis=0)
-    variance = variance + (level * share) ** 2 / 3.0  # uniform between −c and c
+    # In a slow motion no sample slides so fast that the smooth sign of the model is the whole Coulomb friction
+    variance = variance + (np.maximum(level, dry) * share) ** 2 / 3.0  # uniform between −c and c
     used, motion = prepared.inside, prepared.motion
     ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
     return Evaluation(time, torque, predicted, variance, noise, friction, ranges, bodies)
@@ -91,7 +87,17 @@ def _at_ends(prepared: Prepared, stretch: range, unknown: FloatArray) -> tuple[F
     return (gain > 1.0 - SETTLED)[counted], share[counted]
 
 
-def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> FloatArray:
+def _dry_friction(estimate: EstimateData) -> FloatArray:
+    """Coulomb friction of each joint [N·m], and the speed below which it may stick [rad/s], (2, n)."""
+    values, dry = dict(zip(estimate.names, estimate.values, strict=True)), np.zeros((2, len(estimate.joint_names)))
+    for block in estimate.model.blocks:
+        if isinstance(block.term, Coulomb):
+            whole = abs(sum(values.get(name, 0.0) for name in block.names))
+            dry[:, list(block.joints)] += [[whole], [block.term.reversal_speed]]
+    return dry
+
+
+def _unknown_friction(estimate: EstimateData, prepared: Prepared, speed: FloatArray) -> FloatArray:
     """How unknown friction is at each sample, (n, N): 1 at reversals and rest, 0 from the reversal speed."""
     # A joint that rests may have any friction up to that of sliding. The faster it moves, the less likely it sticks.
     v = prepared.motion.v
@@ -101,6 +107,8 @@ def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> FloatArray:
     turns = np.zeros(v.shape, dtype=np.bool_)
     turns[1:] = v[1:] * v[:-1] < 0.0
     turns[:-1] |= turns[1:]
+    # A fit takes fewer samples of a slow motion for reversals, but joints stick below the same speed
+    slow |= np.abs(v) < speed
     highest = np.max(np.abs(v), axis=0, where=slow & ~turns, initial=1e-12)
     share = np.where(turns, 1.0, np.clip(1.0 - np.abs(v) / highest, 0.0, 1.0))
     return np.ascontiguousarray(np.where(slow, share, 0.0).T)

@@ -73,6 +73,19 @@ def test_an_unworn_leg_is_not_called_worn(leg, estimate):
             assert not exoid.interaction(estimate, log(swing(leg, seed, base=0.15 * factor), seed=seed)).worn
 
 
+@pytest.mark.parametrize("rate", [0.05, 0.1])
+def test_the_band_holds_the_friction_of_a_joint_that_creeps(leg, rate):
+    """At a few hundredths of a rad/s the model's smooth sign is part of the friction, and real friction is whole."""
+    time, n = np.arange(6000) / 100.0, len(leg.joint_names)
+    estimate = exoid.identify(leg, log(swing(leg, 1)), check=False)
+    phase = 2.0 * np.pi * rate * time[:, None] + np.arange(n)
+    q, v = 0.02 / rate / 2.0 / np.pi * np.sin(phase), 0.02 * np.cos(phase)
+    coulomb = [estimate.value(f"c0_{label}") for label in leg.joint_labels]
+    tau = estimate.torque(q, v, 0.0 * q) + coulomb * (np.sign(v) - np.tanh(v / 0.015))
+    found = exoid.interaction(estimate, Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names))
+    assert (found.outside_band < 0.05).all()
+
+
 def test_a_torque_twice_as_large_as_the_smallest_that_the_test_notices_is_noticed(leg, estimate):
     motion = swing(leg, 9)
     least = np.array([action.least for action in exoid.interaction(estimate, log(motion)).actions])
