@@ -39,6 +39,7 @@ from .estimators.by_name import name_of
 from .findings.checkup import check_fit
 from .findings.physics import impossible_leg, mass_scale, never_negative, unbalanced
 from .friction_form import friction_form_error
+from .ground_faults import unlike_logs
 from .group_rows import Group
 from .groups import shared_agreement
 from .problem import Fitted
@@ -125,11 +126,8 @@ class Result:
         places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
-        residual_rms = (
-            np.array([_of_joint(supports, joint) for joint in model.joint_names])
-            if standing
-            else np.array([rms_residual(each, solution.values[every]) for each in rows.by_row])
-        )
+        own = (rms_residual(each, solution.values[every]) for each in rows.by_row)
+        residual_rms = np.array([_of_joint(supports, x) for x in model.joint_names] if standing else [*own])
         factors = [each for one in self._ordinary(parts) for each in one.r_factors]
         assert rows.preparation is not None
         return Estimate(
@@ -177,6 +175,7 @@ class Result:
             return replace(estimate, findings=findings, model_error=error, evidence=evidence)
         values, groups = estimate.values, self._ordinary(parts)
         found = [*torque_findings(fitted, parts), *mass_scale(estimate.model.leg, values, estimate.names)]
+        found += unlike_logs(fitted, scaled=False) if group == 0 else ()
         tables = [each.R for one in groups for each in one.r_factors]
         found += impossible_leg(estimate.model.leg, values, estimate.covariance, tables)
         stretches = [

@@ -170,11 +170,8 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
             changes = [first - residual(each, values) for each in changed]
             both = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / effects.steps]
             columns = np.concatenate(both, axis=-1) * weights[:, None]
-            depends = (
-                np.tile(np.arange(more), (len(first), 1))
-                if effects.numbers is None
-                else effects.numbers(one, rows.time)
-            )
+            alike = np.tile(np.arange(more), (len(first), 1))
+            depends = alike if effects.numbers is None else effects.numbers(one, rows.time)
             # rows of all supports of a recording share its blocks of time
             parts = np.column_stack([np.floor(rows.time / BLOCK), depends])
             starts = np.flatnonzero((np.diff(parts, axis=0, prepend=np.nan) != 0.0).any(axis=1)).tolist()

@@ -232,6 +232,16 @@ def test_a_recording_whose_torques_have_another_scale_is_named(exo, stance, fact
     assert [one.value for one in told] == pytest.approx([factor] * (factor != 1.0), rel=0.1)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_recording_that_the_others_contradict_is_named(exo, stance, sign):
+    """Its rows lose their weight: no parameter shows it."""
+    logs = [with_imu(log, k) for k, log in enumerate(stance)]
+    logs[1] = replace(logs[1], tau=logs[1].tau * np.where(np.arange(6) == 0, sign, 1.0))
+    told = [one for one in exoid.identify(exo, logs, terms=TERMS).findings if one.kind == "large-residual"]
+    assert [one.joint for one in told] == ["left_hip"] * (sign < 0.0)
+
+
 RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
 AROUND = np.array([-1.0, -1.0, 1.0])
 
