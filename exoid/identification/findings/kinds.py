@@ -142,7 +142,7 @@ KINDS = {
     "unmodelled-friction": Kind(
         None,
         "the residual of {joint} depends on its velocity or load as {form} does",
-        "compare Stribeck and load friction and presliding by exoid select; write a term for |v| or v² (docs/extending.md)",
+        "compare Stribeck and load friction and presliding by exoid select; |v| and v² need a term of your own",
     ),
     "unmodelled-force": Kind(
         None,
