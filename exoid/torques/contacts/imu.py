@@ -146,9 +146,10 @@ def refuse_turned(
         # Feet may roll, and sensors be biased: only what is far nearer for most of the time counts
         apart = _apart(read, said)
         what, remedy, least = "", "", min(NEARER * apart, TURNING)
-        if not np.ptp(base.angular_velocity, axis=0).any() and said[:, :3].std(axis=0).max() > TURNING / 3.0:
-            what = f"the gyroscope of the base reads the same at all samples, while the base turns on {link}"
-            remedy = "look at the connection of the sensor, or leave its columns out: feet then tell the motion"
+        turns, turning = (float(x[:, :3].std(axis=0).max()) for x in (read, said))
+        if turns < 0.03 * turning > 0.01 * TURNING:  # degrees that are taken for radians would be 0.017
+            what = f"the gyroscope of the base reads {turns / turning:.2g} times what the base turns on {link}"
+            remedy = "look at its unit and its connection, or leave its columns out: feet then tell the motion"
         elif apart > LEANS:
             others = {other: x for other, x in still.items() if not resting[other][rows].any()}
             for other, meaning, advice in _explanations(leg, log, link, said, others, rows):

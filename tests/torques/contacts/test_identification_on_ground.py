@@ -250,7 +250,8 @@ AROUND = np.array([-1.0, -1.0, 1.0])
     ("turn", "rate", "contacts", "message"),
     [
         pytest.param(AROUND, 1.0, {}, "-x, -y, z", id="a sensor that is mounted the other way round"),
-        pytest.param(1.0, 0.0, {}, "the same at all samples", id="a gyroscope that is dead"),
+        pytest.param(1.0, 0.0, {}, "reads 0 times", id="a gyroscope that is dead"),
+        pytest.param(1.0, np.pi / 180.0, {}, "reads 0.017 times", id="rad/s that are read as degrees"),
         pytest.param(1.0, 1.0, RIGHT, "as if left_foot stood", id="switches that are interchanged"),
         pytest.param(1.0, 1.0, {"left_foot": RIGHT["left_foot"]}, "hardly any weight", id="a switch that is inverted"),
     ],
