@@ -5,7 +5,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from exoid.control import Tracking
-from exoid.rig import Energy
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import (
     paper,
@@ -106,9 +105,7 @@ def law_run(law, size):
     """A closed loop with errors of a given size [rad]."""
     error = size * np.column_stack([np.sin(TIME), np.cos(TIME)])
     log = Recording(TIME, error, joint_names=NAMES[:2])
-    return Tracking(
-        law, 100.0, NAMES[:2], TIME, 0.0 * error, error, error, 5.0 * error, log, Energy(*np.ones((4, 1))), 1.0
-    )
+    return Tracking(law, 100.0, NAMES[:2], TIME, 0.0 * error, error, error, 5.0 * error, log, 1.0)
 
 
 RUNS = {"PD": law_run("pd", 0.2), "LQR": law_run("lqr", 0.002)}
