@@ -21,14 +21,8 @@ OF_A_FIT = {
 }
 
 VERBS = {
-    "identify": (
-        "identify bleex log.csv --test worn.csv",
-        OF_A_FIT,
-    ),
-    "validate": (
-        "validate est.json log.csv --cutoff 6",
-        OF_A_FIT,
-    ),
+    "identify": ("identify bleex log.csv --test worn.csv", OF_A_FIT),
+    "validate": ("validate est.json log.csv --cutoff 6", OF_A_FIT),
     "interaction": ("interaction est.json worn.csv --strides 2,4,6,8", {"wearer_torque": TWO, "wearer_gait": ONE}),
     "compare": ("compare est.json other.json", {"comparison": TWO}),
 }

@@ -115,14 +115,7 @@ def test_one_late_torque_is_named():
     assert "torque-delay" in {f.kind for f in findings(22, "one torque 40 ms late")}
 
 
-@pytest.mark.parametrize(
-    ("seed", "kind"),
-    [
-        (5, "torque-scale"),
-        (22, "torque-scale"),
-        (19, "cross-talk"),
-    ],
-)
+@pytest.mark.parametrize(("seed", "kind"), [(5, "torque-scale"), (22, "torque-scale"), (19, "cross-talk")])
 def test_no_error_is_false(seed, kind):
     assert (kind, "error") not in {(f.kind, f.severity) for f in findings(seed)}
 

@@ -8,14 +8,7 @@ import pytest
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.errors import BadArgumentError, ExoidError
-from exoid.torques import (
-    CoordinateTerm,
-    CouplingFriction,
-    CouplingInertia,
-    CouplingSpring,
-    Stribeck,
-    TorqueModel,
-)
+from exoid.torques import CoordinateTerm, CouplingFriction, CouplingInertia, CouplingSpring, Stribeck, TorqueModel
 from exoid.torques.catalog import TERMS
 
 LEG = exoid.load_leg("cuhk")

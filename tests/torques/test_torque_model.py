@@ -25,12 +25,7 @@ def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
         "d_knee",
         *("b2_ankle", "b1_ankle", "b0_ankle"),
     )
-    assert model.units == (
-        *leg.parameter_units,
-        *("N·m",) * 3,
-        "N·m·s/rad",
-        *("N·m/rad²", "N·m/rad", "N·m"),
-    )
+    assert model.units == (*leg.parameter_units, *("N·m",) * 3, "N·m·s/rad", *("N·m/rad²", "N·m/rad", "N·m"))
 
 
 # ------------------------------------------------------------------------------------------ columns

@@ -6,17 +6,8 @@ from matplotlib.figure import Figure
 
 from exoid.control import Tracking
 from exoid.signals import Approaches, Poses, Recording
-from exoid.view import (
-    paper,
-    plot_correlation,
-    plot_law_torques,
-    plot_tracking_errors,
-)
-from exoid.view.experiments import (
-    plot_approaches,
-    plot_reference,
-    plot_stiffness,
-)
+from exoid.view import paper, plot_correlation, plot_law_torques, plot_tracking_errors
+from exoid.view.experiments import plot_approaches, plot_reference, plot_stiffness
 from exoid.view.fit import plot_friction_fit
 from exoid.view.parameters import STRONG
 from exoid.view.report.page import Picture, paper_figure

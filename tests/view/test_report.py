@@ -10,9 +10,7 @@ from exoid.experiments.excitation import assess
 from exoid.tools.tables import DataTable
 from exoid.torques import Coulomb, Viscous
 from exoid.view.report import identification_report
-from exoid.view.report.fit import (
-    predict_recording,
-)
+from exoid.view.report.fit import predict_recording
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 

@@ -100,8 +100,7 @@ def test_a_urdf_cannot_put_any_file_of_the_machine_into_a_page(tmp_path, monkeyp
 
 
 @pytest.mark.parametrize(
-    ("value", "scale"),
-    [("nan", "1 1 1"), ("1e39", "1 1 1"), ("0.1", "0 0 0"), ("0.1", "1e-300 1 1"), ("0.1", "0 1 1")],
+    ("value", "scale"), [("nan", "1 1 1"), ("1e39", "1 1 1"), ("0.1", "0 0 0"), ("0.1", "1e-300 1 1"), ("0.1", "0 1 1")]
 )
 def test_meshes_without_finite_size_become_a_note(value, scale, tmp_path):
     ball = trimesh.creation.icosphere(subdivisions=1, radius=0.1)

@@ -21,8 +21,7 @@ def test_table_ii_and_its_moving_average_get_j1_wrong_by_more_than_half(replay):
 
 
 @pytest.mark.parametrize(
-    ("names", "limit"),
-    [(("X1", "X2"), 0.01), (("J1",), 0.015), (("J2",), 0.03), (("c0_hip", "c0_knee"), 0.08)],
+    ("names", "limit"), [(("X1", "X2"), 0.01), (("J1",), 0.015), (("J2",), 0.03), (("c0_hip", "c0_knee"), 0.08)]
 )
 def test_the_multisine_finds_what_table_ii_cannot(replay, names, limit):
     for name in names:

@@ -42,8 +42,7 @@ def test_cad_limits_the_amplification_more_than_the_estimate(worn):
 def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path, data):
     exoid.identify(data.leg, data.train).save(tmp_path / "est.json")
     done = CliRunner().invoke(
-        app,
-        ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures"), "--period", "2.5"],
+        app, ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures"), "--period", "2.5"]
     )
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)

@@ -12,15 +12,7 @@ from exoid.errors import ExoidError
 from exoid.experiments import cuhk
 from exoid.experiments.excitation import MotionLimits
 from exoid.experiments.excitation.scales import Scales
-from exoid.lab.study import (
-    LegText,
-    Noise,
-    Protocol,
-    Study,
-    document,
-    plausible_truth,
-    run_study,
-)
+from exoid.lab.study import LegText, Noise, Protocol, Study, document, plausible_truth, run_study
 from exoid.lab.study.replicates import run_chunk
 from exoid.torques import DEFAULT_TERMS, Coulomb, TorqueModel
 
