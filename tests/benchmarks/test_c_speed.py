@@ -17,14 +17,7 @@ from turns import best_of_turns, show
 import exoid
 from exoid import Armature, Coulomb, Offset, Stiffness, Viscous
 from exoid.codegen import c_source, write_c
-from exoid.control import (
-    LAWS,
-    Limited,
-    MomentumObserver,
-    default_gains,
-    sensitivity_amplification,
-    standard_laws,
-)
+from exoid.control import LAWS, Limited, MomentumObserver, default_gains, sensitivity_amplification, standard_laws
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.torques import TorqueModel
 

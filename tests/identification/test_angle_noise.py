@@ -21,10 +21,7 @@ REPLICATES = 20 if FULL else 2
 SLACK = 1.0 if FULL else 2.0
 """The mean of two absolute errors scatters more than that of twenty."""
 
-LIMITS = {
-    "wls": (1.0, 2.5, 3.5, 10.0),
-    "ml": (0.5, 1.5, 0.7, 4.0),
-}
+LIMITS = {"wls": (1.0, 2.5, 3.5, 10.0), "ml": (0.5, 1.5, 0.7, 4.0)}
 """Mean relative error of the worst parameter in percent, for each of the settings."""
 
 pytestmark = pytest.mark.nightly

@@ -56,10 +56,7 @@ def test_one_offset_for_all_days_must_be_wrong(leg, days):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("estimator", "noise"),
-    [("ols", "white"), ("wls", "correlated"), ("huber", "correlated")],
-)
+@pytest.mark.parametrize(("estimator", "noise"), [("ols", "white"), ("wls", "correlated"), ("huber", "correlated")])
 def test_one_group_is_the_same_as_identify(leg, days, estimator, noise):
     """Whatever is shared: the order of the parameters is all that changes."""
     recordings = list(record(days, **dict.fromkeys(days, Noise((0.3, 0.2, 0.1), 0.9))).values())
@@ -178,10 +175,7 @@ def test_poses_may_be_a_group_of_their_own(leg, days):
     rng = np.random.default_rng(3)
     q = rng.uniform(-0.8, 0.8, (80, 3))
     tau = leg.inverse_dynamics(q, 0 * q, 0 * q) + ZEROS["friday"] + rng.normal(scale=0.1, size=q.shape)
-    groups = {
-        "moving": days["monday"].recording(rng, Noise(0.2)),
-        "poses": Poses(q, tau, leg.joint_names),
-    }
+    groups = {"moving": days["monday"].recording(rng, Noise(0.2)), "poses": Poses(q, tau, leg.joint_names)}
     together = identify(leg, groups, TERMS, own="offset")
     error = together.values - truth_of(together, {"moving": days["monday"], "poses": days["friday"]})
     assert (np.abs(error) < 4.0 * together.std).all()

@@ -11,13 +11,7 @@ import exoid
 from exoid import Recording, Stiffness
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
-from exoid.regression.diagnostics import (
-    HOPELESS,
-    ILL_CONDITIONED,
-    Collinearity,
-    identifiability_class,
-    reference_scale,
-)
+from exoid.regression.diagnostics import HOPELESS, ILL_CONDITIONED, Collinearity, identifiability_class, reference_scale
 from exoid.regression.least_squares import factorize, solve
 from exoid.signals import FiniteDifference
 from exoid.torques import Stribeck, TorqueModel

@@ -5,14 +5,7 @@ import pytest
 from rigs import BLEEX, EVERYTHING, FRICTION, Swing
 
 from exoid import ExoidError
-from exoid.rig import (
-    HydraulicServo,
-    Plant,
-    Proportional,
-    Rates,
-    Sensors,
-    simulate,
-)
+from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Sensors, simulate
 from exoid.rig.sensors import read_angle, read_torque, read_velocity
 
 SERVO = HydraulicServo(5000.0, 0.01, 10.0)
