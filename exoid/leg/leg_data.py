@@ -114,7 +114,7 @@ class LegData:
     @property
     def base_rows(self) -> int:
         """Number of rows of a floating base, before those of the joints: 3 in a plane, otherwise 6; 0 without one."""
-        return len(self.row_names) - len(self.joint_names)
+        return 0 if self.base != "floating" else len(FREE_ROWS if self.machine is None else PLANAR_ROWS)
 
     @property
     def row_names(self) -> tuple[str, ...]:
@@ -124,7 +124,7 @@ class LegData:
         about the hip [N·m], positive like the pitch. Others are force and moment about the origin of the root link.
         """
         rows = FREE_ROWS if self.machine is None else PLANAR_ROWS
-        return rows * (self.base == "floating") + self.joint_names
+        return (*rows, *self.joint_names) if self.base == "floating" else self.joint_names
 
     @property
     def joint_labels(self) -> tuple[str, ...]:

@@ -247,7 +247,7 @@ def unbalanced(model: TorqueModel, by_row: Iterable[Iterable[RFactor]], values: 
             continue
         share = float(left / parts)
         message = f"gravity, inertia and friction of {joint}, which is passive, cancel but for {share:.0%}"
-        remedy, severity = ("add stiffness for a spring or a cable, or give unmeasured=", SEVERITIES[int(share < 0.1)])
+        remedy, severity = "add stiffness for a spring or a cable, or give unmeasured=", SEVERITIES[int(share < 0.1)]
         names = tuple(np.array(model.names)[R[:, : len(model.names)].any(axis=0)].tolist())
         yield Finding("large-residual", joint, share, "1", severity, message, remedy, None, names)
 

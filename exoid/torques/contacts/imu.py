@@ -147,7 +147,7 @@ def refuse_turned(
         apart = _apart(read, said)
         what, remedy, least = "", "", min(NEARER * apart, TURNING)
         turns, turning = (float(x[:, :3].std(axis=0).max()) for x in (read, said))
-        if turns < 0.03 * turning > 0.01 * TURNING:  # degrees that are taken for radians would be 0.017
+        if turning > TURNING / 3.0 and turns < 0.03 * turning:  # rad/s that are read as degrees are 0.017 of it
             what = f"the gyroscope of the base reads {turns / turning:.2g} times what the base turns on {link}"
             remedy = "look at its unit and its connection, or leave its columns out: feet then tell the motion"
         elif apart > LEANS:
