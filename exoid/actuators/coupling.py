@@ -12,7 +12,8 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.tools.numbers import is_number
-from exoid.torques import DEFAULT_TERMS, Coulomb, CouplingFriction, CouplingInertia, Term
+from exoid.torques import CouplingFriction, CouplingInertia, Term
+from exoid.torques.catalog import USUAL
 
 
 @dataclass(frozen=True)
@@ -143,8 +144,7 @@ def motor_terms(coupling: Coupling) -> tuple[Term, ...]:
         >>> TorqueModel(exoid.load_leg("cuhk"), motor_terms(wrist)).names[6:]
         ('c0_hip_motor', 'd_hip_motor', 'c0_knee_motor', 'd_knee_motor', 'Ia_hip_motor')
     """
-    (coulomb,) = (term for term in DEFAULT_TERMS if isinstance(term, Coulomb))
-    smoothing, reversal_speed = coupling.ratio * coulomb.smoothing, coupling.ratio * coulomb.reversal_speed
+    smoothing, reversal_speed = coupling.ratio * USUAL.smoothing, coupling.ratio * USUAL.reversal_speed
     frictions, rotors = list[Term](), list[Term]()
     for motor, row in zip(coupling.joints, coupling.inverse, strict=True):
         moved = np.flatnonzero(np.abs(row) > 1e-12 * np.abs(row).max()).tolist()

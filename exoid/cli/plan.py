@@ -69,7 +69,9 @@ SEARCHED = ("--highest", "--criterion", "--starts", "--seed")
 class LimitOptions(NamedTuple):
     """Limiting the motion."""
 
-    angles: Annotated[Texts, Option(metavar="JOINT=LOW:HIGH", help="Narrower range [deg]. Repeatable.")] = None
+    angles: Annotated[
+        Texts, Option(metavar="JOINT=LOW:HIGH", help="Narrower range [deg; mm of a slide]. Repeatable.")
+    ] = None
     margin: Annotated[float, Option(metavar="DEG", help="Distance to the URDF's joint limits.")] = 3.0
     velocity: Annotated[Text, Option(metavar="RAD/S", help="Velocity limits below the URDF's.")] = None
     acceleration: Annotated[Text, Option(metavar="RAD/S²", help="Acceleration limits.")] = None
@@ -146,7 +148,6 @@ def plan(
     logged = recordings[0].joint_names if recordings else None
     found = find_leg(leg, choice, logged)
     allowed, chosen = limits.of(found), given_terms(terms)
-    chosen = exoid.torques.DEFAULT_TERMS if chosen is None else chosen
     result: Assessment | Plan | StancePlan
     if recordings:
         noise, width = parse_numbers(search.noise, "--noise"), search.noise_bandwidth

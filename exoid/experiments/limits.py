@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,26 @@ from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
 from exoid.tools.numbers import ROUNDED, checked
+from exoid.torques.catalog import SLIDE, turning_joints
 
 MARGIN = np.deg2rad(3.0)
-"""Margin to the joint limits of the URDF for overshoot of the servos [rad]."""
+"""Margin to the joint limits of the URDF for overshoot of the servos [rad]; a tenth of it in m of a prismatic joint."""
+
+
+class PositionUnit(NamedTuple):
+    """Unit in which positions of a joint are given and shown: degrees, or millimetres of a prismatic joint."""
+
+    size: float  # how large it is [rad or m]
+    name: str  # as it follows a number
+
+    def show(self, position: float) -> str:
+        """Write a position."""
+        return f"{position / self.size:.1f}{self.name}"
+
+
+def position_units(leg: Leg) -> list[PositionUnit]:
+    """Unit of each joint, n of them."""
+    return [PositionUnit(np.deg2rad(1.0), "°") if turns else PositionUnit(1e-3, " mm") for turns in turning_joints(leg)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,8 +85,8 @@ class MotionLimits:
 
         Args:
             leg: Leg with the limits of its URDF; continuous joints get ±180°.
-            margin: Margin to these limits [rad].
-            angles_deg: Narrower ranges of angle by joint name or label [deg].
+            margin: Margin to these limits [rad]; 0.1 m of a prismatic joint counts as 1 rad.
+            angles_deg: Narrower ranges of angle by joint name or label [deg, of prismatic joints mm].
             velocity: Largest speed [rad/s], a number or (n,).
             acceleration: Largest acceleration [rad/s²], a number or (n,).
             torque: Largest torque [N·m], a number or (n,).
@@ -88,15 +106,17 @@ class MotionLimits:
                     command=f"give the range that is safe, in degrees: --angles {names[0]}=LOW:HIGH",
                     joints=(names[0],),
                 )
-        lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + margin
-        upper = np.where(np.isfinite(own.upper), own.upper, np.pi) - margin
+        gap = margin * np.where(turning_joints(leg), 1.0, SLIDE)
+        lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + gap
+        upper = np.where(np.isfinite(own.upper), own.upper, np.pi) - gap
         for name, (low, high) in given.items():
             if name not in (*leg.joint_names, *leg.joint_labels):
                 known = ", ".join(leg.joint_names)
                 raise BadArgumentError(f"no joint {name!r} in the leg", remedy=f"its joints are {known}")
             joint = (*leg.joint_names, *leg.joint_labels).index(name) % n
-            lower[joint] = max(lower[joint], np.deg2rad(low))
-            upper[joint] = min(upper[joint], np.deg2rad(high))
+            size = position_units(leg)[joint].size
+            lower[joint] = max(lower[joint], low * size)
+            upper[joint] = min(upper[joint], high * size)
         speed, change, effort = (
             for_joints(np.inf if x is None else x, n, f"{name} limits")
             for name, x in (("velocity", velocity), ("acceleration", acceleration), ("torque", torque))
@@ -122,10 +142,11 @@ def refuse_poses_beyond_limits(leg: Leg, poses: ArrayLike) -> None:
     beyond = _beyond(angles, lower, upper)
     if len(beyond):
         pose, joint = beyond[0]
+        show = position_units(leg)[joint].show
         raise BadArgumentError(
-            f"pose {pose} asks {leg.joint_names[joint]} for {np.rad2deg(angles[pose, joint]):.1f}°",
+            f"pose {pose} asks {leg.joint_names[joint]} for {show(angles[pose, joint])}",
             where=leg.description.name,
-            remedy=f"stay between {np.rad2deg(lower[joint]):.1f}° and {np.rad2deg(upper[joint]):.1f}°",
+            remedy=f"stay between {show(lower[joint])} and {show(upper[joint])}",
         )
 
 
@@ -142,17 +163,18 @@ def refuse_motion_beyond_limits(leg: Leg, reference: Reference, duration: float)
             remedy=f"give one row for each of {', '.join(leg.joint_names)} and one column a rig",
         )
     lower, upper, fastest, _ = (limit[:, None] for limit in leg.limits)
-    for quantity, unit, values, low, high in (
-        ("an angle", "°", q, lower, upper),
-        ("a speed", "°/s", v, -fastest, fastest),
+    for quantity, per, values, low, high in (
+        ("a position", "", q, lower, upper),
+        ("a speed", "/s", v, -fastest, fastest),
     ):
         for k, joint, rig in _beyond(values, low, high)[:1]:
-            least, asked, most = np.rad2deg([values[:, joint].min(), values[k, joint, rig], values[:, joint].max()])
+            show, taken = position_units(leg)[joint].show, values[:, joint]
             raise BadArgumentError(
-                f"the motion asks {leg.joint_names[joint]} for {quantity} of {asked:.1f}{unit} at {time[k]:.2f} s",
+                f"the motion asks {leg.joint_names[joint]} for {quantity} of {show(values[k, joint, rig])}{per} "
+                f"at {time[k]:.2f} s",
                 where=leg.description.name,
-                remedy=f"it goes from {least:.1f} to {most:.1f}{unit}, the joint from {np.rad2deg(low[joint, 0]):.1f} "
-                f"to {np.rad2deg(high[joint, 0]):.1f}{unit}: make the motion smaller or slower",
+                remedy=f"it goes from {show(taken.min())}{per} to {show(taken.max())}{per}, the joint from "
+                f"{show(low[joint, 0])}{per} to {show(high[joint, 0])}{per}: make the motion smaller or slower",
             )
 
 

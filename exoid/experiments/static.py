@@ -45,11 +45,7 @@ class StaticProtocol:
 
 
 def run_static(
-    plant: Plant,
-    poses: FloatArray,
-    bench: Bench,
-    rng: np.random.Generator,
-    protocol: StaticProtocol | None = None,
+    plant: Plant, poses: FloatArray, bench: Bench, rng: np.random.Generator, protocol: StaticProtocol | None = None
 ) -> list[Approaches]:
     """Measure poses on B virtual rigs, approached from below and from above.
 

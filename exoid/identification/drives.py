@@ -16,7 +16,7 @@ from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
-from exoid.torques import DEFAULT_TERMS, Armature, Motion, Term, TorqueModel
+from exoid.torques import Armature, Motion, Term, TorqueModel
 
 from .estimators import Estimator
 from .estimators.by_name import name_of
@@ -81,10 +81,10 @@ def computed_joints(leg: Leg, data: Data, actuators: Actuators) -> set[str]:
     return {joint for joint, label in labels if joint in every and names & {joint, label}}
 
 
-def default_terms(actuators: Actuators, computed: set[str]) -> tuple[Term, ...]:
-    """Add friction and rotors of coupled motors to the default terms, where torque was computed of these motors."""
+def coupled_terms(actuators: Actuators, computed: set[str]) -> tuple[Term, ...]:
+    """Friction and rotors of coupled motors, where torque was computed of these motors."""
     used = [coupling for coupling in actuators.couplings.values() if computed & set(coupling.joints)]
-    return (*DEFAULT_TERMS, *(term for coupling in used for term in motor_terms(coupling)))
+    return tuple(term for coupling in used for term in motor_terms(coupling))
 
 
 def known_rotors(

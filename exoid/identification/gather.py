@@ -17,10 +17,11 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import cutoff_from
 from exoid.signals.preparation import preparation_from_json
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import terms_of
 
 from .drive_constants import refuse_unknown_scale
-from .drives import Drives, computed_joints, default_terms, drive_groups, known_rotors, refuse_beside_unknown
+from .drives import Drives, computed_joints, coupled_terms, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
 from .group_rows import Group, Measured, check_recordings
@@ -55,22 +56,22 @@ def begin(
     delay: str | None = None,
 ) -> Problem:
     """Bring legs, recordings, terms and drives together; no recording is read yet, unless drives make its torque."""
-    chosen = DEFAULT_TERMS if terms is None else (terms,) if isinstance(terms, (Term, str)) else tuple(terms)
+    if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
+        pairs = {"": (leg, check_recordings(recordings))}
+    else:
+        pairs = pair_groups(leg, recordings, own)
+    chosen = terms_of(next(iter(pairs.values()))[0], terms)
     wrong = [item for item in chosen if not isinstance(item, Term)]
     if wrong:
         raise BadArgumentError(
             f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())"
         )
-    if own is None and not isinstance(leg, Mapping) and not isinstance(recordings, Mapping):
-        pairs = {"": (leg, check_recordings(recordings))}
-    else:
-        pairs = pair_groups(leg, recordings, own)
     mounted: dict[str, Actuators] = {}
     if actuators is not None:
         pairs, mounted = drive_groups(pairs, actuators)
         name, drives = next(iter(mounted.items()))  # drives of all groups are alike
         computed = computed_joints(*pairs[name], drives)
-        chosen = default_terms(drives, computed) if terms is None else chosen
+        chosen = (*chosen, *coupled_terms(drives, computed)) if terms is None else chosen
         # known rotors are held; coupled motors have terms of their own
         known = known_rotors(pairs[name][0], drives, computed, chosen, knowledge)
         knowledge = replace(knowledge, known=known)

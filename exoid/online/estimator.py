@@ -13,7 +13,8 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import terms_of
 
 from .advance import advance
 from .findings import doubts_of, findings_of
@@ -190,7 +191,7 @@ class RecursiveEstimator:
 def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> TorqueModel:
     """Torque model of the estimator; that of the start where there is one, so that parameters have the same names."""
     if start is None:
-        return TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
+        return TorqueModel(leg, terms_of(leg, terms))
     model = TorqueModel(leg, start.model.terms if terms is None else tuple(terms), separate=start.names)
     if model.names != start.names:
         what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from exoid.errors import BadArgumentError
+from exoid.leg.leg import Leg
+from exoid.leg.model import joint_axis
 from exoid.tools.registry import Registry
 
 from .couplings import CouplingFriction, CouplingInertia, CouplingSpring
@@ -10,17 +15,37 @@ from .friction import LoadFriction, Stribeck
 from .term import Term
 from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
 
-DEFAULT_TERMS: tuple[Term, ...] = (
-    Coulomb(smoothing=0.015, reversal_speed=0.03),
-    Viscous(),
-    Armature(),
-    Offset(),
-)
+USUAL = Coulomb(smoothing=0.015, reversal_speed=0.03)
+"""Dry friction of a revolute joint, in the default terms."""
+
+DEFAULT_TERMS: tuple[Term, ...] = (USUAL, Viscous(), Armature(), Offset())
 """Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
 that does not."""
 
+SLIDE = 0.1
+"""Speed of a prismatic joint at which its default friction is as that of a revolute joint at 1 rad/s [m/s]."""
+
 TERMS: Registry[Term] = Registry("term", "exoid.torques.register_term")
 """Types of term by name, for files and the command line: those of exoid, and those that were registered."""
+
+
+def turning_joints(leg: Leg) -> list[bool]:
+    """Whether each joint of the equation is revolute; the others are prismatic."""
+    turns = [bool(joint_axis(joint)[3:].any()) for joint in list(leg.model.joints)[1:]]
+    return turns if leg.closure is None else [turns[j] for j in leg.closure.independent]
+
+
+def terms_of(leg: Leg, terms: Sequence[Term] | None) -> tuple[Term, ...]:
+    """Terms as a caller gives them, one or several; those of the leg by default, by the kinds of its joints."""
+    if terms is not None:
+        return (terms,) if isinstance(terms, (Term, str)) else tuple(terms)
+    named = list(zip(leg.joint_names, turning_joints(leg), strict=True))
+    slides = tuple(name for name, turns in named if not turns)
+    if not slides:
+        return DEFAULT_TERMS
+    slow = Coulomb(joints=slides, smoothing=SLIDE * USUAL.smoothing, reversal_speed=SLIDE * USUAL.reversal_speed)
+    turning = replace(USUAL, joints=tuple(name for name, turns in named if turns))
+    return (turning, slow, *DEFAULT_TERMS[1:])
 
 
 def register_term(name: str, kind: type[Term]) -> None:

@@ -14,11 +14,11 @@ from exoid.errors import BadArgumentError
 from exoid.leg.closure import Closure
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import without_side
-from exoid.leg.model import joint_axis
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
+from .catalog import turning_joints
 from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
 from .regrouping import Regrouped, regroup
@@ -438,8 +438,7 @@ class TorqueModel:
     def _units(self) -> dict[str, str]:
         """Unit of each parameter that is not regrouped."""
         units = dict(zip(self.leg.parameter_names, self.leg.parameter_units, strict=True))
-        turns = [joint_axis(joint)[3:].any() for joint in list(self.leg.model.joints)[1:]]
-        turns = turns if self.leg.closure is None else [turns[j] for j in self.leg.closure.independent]
+        turns = turning_joints(self.leg)
         for block in self.blocks:
             of_term = block.term.units
             if not any(turns[joint] for joint in block.joints):  # a joint that slides has N, m and kg

@@ -103,7 +103,7 @@ REFUSED = {
             ("shape", lambda x=x: refuse_poses_beyond_limits(BLEEX, x))
             for x in ([[0.0, -0.1]], [0.0], np.zeros((0, 3)))
         ),
-        ("an angle of", lambda: follow(amplitude_deg=100.0)),
+        ("a position of", lambda: follow(amplitude_deg=100.0)),
         ("a speed of", lambda: follow(20.0, 4.0, 1.0)),
         ("shape", lambda: follow(joints=3)),
         *(("duration", lambda x=x: follow(duration=x)) for x in (0.0, np.nan)),

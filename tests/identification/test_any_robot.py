@@ -8,12 +8,14 @@ import dataclasses
 import os
 
 import numpy as np
+import one_joint
 import pytest
 from arms import Arm
 from unchecked import identify
 
 import exoid
 from exoid import ExoidError
+from exoid.experiments.excitation import MotionLimits
 from exoid.signals import ZeroPhase
 
 REPLICATES = 100 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 4
@@ -102,3 +104,17 @@ def test_intervals_hold_for_numeric_base_parameters_and_terms(arm, time_constant
     if REPLICATES >= 100:
         assert 0.93 <= pooled <= 0.97
         assert time_constant or np.percentile(ratios, 95, axis=0).max() <= 1.1
+
+
+def test_speeds_of_a_slide_are_small(tmp_path):
+    """In rad/s the smoothing of dry friction is 15 mm/s, half of this motion, and 3° is 50 mm of its range."""
+    path = tmp_path / "slide.urdf"
+    path.write_text(one_joint.URDF.replace("revolute", "prismatic").replace("0 1 0", "1 0 0"), encoding="utf-8")
+    leg, time = exoid.Leg.from_urdf(path), np.arange(4000) / 100.0
+    v = np.column_stack([0.03 * np.cos(2.0 * time) + 0.02 * np.cos(5.1 * time)])
+    q = np.column_stack([0.015 * np.sin(2.0 * time) + 0.02 / 5.1 * np.sin(5.1 * time)])
+    tau = 14.0 * np.tanh(v / 5e-4) + 20.0 * v + np.random.default_rng(0).normal(0.0, 0.1, v.shape)
+    estimate = exoid.identify(leg, exoid.Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names))
+    assert abs(estimate["c0_hip"].value - 14.0) < 0.2
+    assert estimate["c0_hip"].unit == "N"
+    assert np.isclose(MotionLimits.of(leg).upper, leg.limits.upper - 0.1 * np.deg2rad(3.0)).all()

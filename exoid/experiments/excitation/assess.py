@@ -13,13 +13,14 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.limits import MotionLimits
+from exoid.experiments.limits import MotionLimits, position_units
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Preparation, Recording
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import SLIDE, terms_of, turning_joints
 
 from .precision import Information, Precision, information_of, on_ground, supports_during
 from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states
@@ -118,7 +119,7 @@ def assess(
     recordings = [data] if isinstance(data, Recording) else list(data)
     if not recordings:
         raise BadArgumentError("no recordings to assess", remedy="pass at least one")
-    model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
+    model, limits = TorqueModel(leg, terms_of(leg, terms)), limits or MotionLimits.of(leg)
     if stands := on_ground(model, recordings):
         scales = _scales_on_ground(model, limits, values, recordings, preparation)
     else:
@@ -192,13 +193,15 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
         motion = middle + size * s, size * omega * c, -size * omega**2 * s
         return Recording(time, *motion, joint_names=leg.joint_names, torso=torso)
 
+    units = position_units(leg)
+    swing = np.minimum(SWING * np.where(turning_joints(leg), 1.0, SLIDE), half)
     ones: FloatArray = np.ones(n)
     shift: FloatArray = 1.0 + 0.23 * np.arange(n, dtype=np.float64)  # frequencies without a common period
     for j, name in enumerate(leg.joint_names):
         only = np.eye(n)[j]
         yield (
-            f"swing {name} quickly, ±{np.rad2deg(min(SWING, half[j])):.0f}° at {FAST:g} Hz",
-            recording(only * np.minimum(SWING, half), FAST * ones),
+            f"swing {name} quickly, ±{swing[j] / units[j].size:.0f}{units[j].name} at {FAST:g} Hz",
+            recording(only * swing, FAST * ones),
         )
         yield f"sweep {name} slowly over its whole range, at {SLOW:g} Hz", recording(only * half, SLOW * ones)
     yield "sweep all joints slowly over their ranges, each at its own frequency", recording(half, SLOW * shift)

@@ -10,12 +10,13 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.limits import MotionLimits
+from exoid.experiments.limits import MotionLimits, position_units
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import terms_of
 
 from .fourier import FourierMotion, series
 from .objective import Criterion, Objective
@@ -95,10 +96,12 @@ class Plan:
             parts[0] += f"; torso at {tilts}, {self.motions[0].duration:g} s each"
         parts.append(f"torque noise {self.noise}, joint by joint")
         p = self.peaks
-        for k, name in enumerate(names):
+        for k, (name, (size, unit)) in enumerate(zip(names, position_units(self.model.leg), strict=True)):
+            rad, torque = ("rad", "N·m") if unit == "°" else ("m", "N")
             parts.append(
-                f"{name}: {np.rad2deg(p.lowest[k]):.0f}° to {np.rad2deg(p.highest[k]):.0f}°, "
-                f"up to {p.velocity[k]:.1f} rad/s, {p.acceleration[k]:.0f} rad/s², {p.torque[k]:.0f} N·m"
+                f"{name}: {p.lowest[k] / size:.0f}{unit} to {p.highest[k] / size:.0f}{unit}, "
+                f"up to {p.velocity[k]:.{1 if rad == 'rad' else 2}f} {rad}/s, {p.acceleration[k]:.0f} {rad}/s², "
+                f"{p.torque[k]:.0f} {torque}"
             )
         return prediction_text("\n".join(parts), self.precision)
 
@@ -154,7 +157,7 @@ def plan_excitation(
         raise BadArgumentError(
             f"{starts} starts, {len(tilts_deg)} tilts", remedy="request at least one start and one tilt"
         )
-    model, limits = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms)), limits or MotionLimits.of(leg)
+    model, limits = TorqueModel(leg, terms_of(leg, terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = series(duration / len(tilts_deg), rate, highest, 24)

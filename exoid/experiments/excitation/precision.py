@@ -104,10 +104,7 @@ class Information(NamedTuple):
 
 
 def information_of(
-    model: TorqueModel,
-    recordings: Sequence[Recording],
-    noise: TorqueNoise,
-    preparation: Preparation | None = None,
+    model: TorqueModel, recordings: Sequence[Recording], noise: TorqueNoise, preparation: Preparation | None = None
 ) -> Information:
     """Compute the information of motions, with rows W̃ = F W / σ and F the filter of a preparation."""
     if not isinstance(model, SupportModel) and on_ground(model, recordings):
@@ -130,10 +127,7 @@ def on_ground(model: TorqueModel, recordings: Iterable[Recording]) -> bool:
 
 
 def _information_on_ground(
-    model: TorqueModel,
-    recordings: Sequence[Recording],
-    noise: TorqueNoise,
-    preparation: Preparation | None,
+    model: TorqueModel, recordings: Sequence[Recording], noise: TorqueNoise, preparation: Preparation | None
 ) -> Information:
     """Information of recordings whose links rest by unknown wrenches."""
     # Rows are those of `exoid.identify`: of each set of resting links those on which their wrenches do no work.

@@ -30,11 +30,7 @@ class Iterate(NamedTuple):
 
 
 def search(
-    objective: Objective,
-    criterion: str,
-    starts: int,
-    seed: int,
-    progress: Callable[[float], None] | None = None,
+    objective: Objective, criterion: str, starts: int, seed: int, progress: Callable[[float], None] | None = None
 ) -> tuple[FourierMotion, ...]:
     """Draw motions, optimise all in a first stage and the better half in all stages, and keep the best."""
     report, (first, *later) = progress or (lambda _: None), STAGES[criterion]

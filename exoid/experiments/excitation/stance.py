@@ -21,7 +21,8 @@ from exoid.rig.ground import GroundPlant, GroundRun, Sole
 from exoid.rig.ground.plant import BLEEX_SOLES
 from exoid.signals import Recording
 from exoid.tools.numbers import checked
-from exoid.torques import DEFAULT_TERMS, Term, TorqueModel
+from exoid.torques import Term, TorqueModel
+from exoid.torques.catalog import terms_of
 
 from .assess import assess
 from .precision import Precision
@@ -137,15 +138,8 @@ def plan_stance(
         protocol_motion(plant, legs, seconds, allowed, friction=friction, number=k) for k, legs in enumerate(stands)
     )
     recordings = tuple(_recording(plant, motion, rate) for motion in motions)
-    found = assess(
-        leg,
-        recordings,
-        terms,
-        noise=noise,
-        noise_bandwidth=noise_bandwidth,
-        limits=allowed,
-    )
-    model = TorqueModel(leg, DEFAULT_TERMS if terms is None else tuple(terms))
+    found = assess(leg, recordings, terms, noise=noise, noise_bandwidth=noise_bandwidth, limits=allowed)
+    model = TorqueModel(leg, terms_of(leg, terms))
     return StancePlan(
         model=model,
         plant=plant,

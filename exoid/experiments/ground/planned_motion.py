@@ -126,13 +126,7 @@ def _turn(plant: GroundPlant, q: FloatArray, base: FloatArray, link: str) -> Flo
     return np.asarray(torso @ rotation)
 
 
-def follow(
-    plant: GroundPlant,
-    motion: GroundMotion,
-    gains: JointGains,
-    *,
-    spring: Spring | None = None,
-) -> GroundRun:
+def follow(plant: GroundPlant, motion: GroundMotion, gains: JointGains, *, spring: Spring | None = None) -> GroundRun:
     """Let a machine follow a planned motion."""
     refuse_poses_beyond_limits(plant.leg, motion.q)
     run = simulate_on_ground(plant, motion, gains, spring=spring)

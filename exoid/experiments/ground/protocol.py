@@ -172,11 +172,7 @@ def _balance(
 
 
 def _margins(
-    plant: GroundPlant,
-    stands: tuple[PlanarLeg, ...],
-    motion: GroundMotion,
-    limits: MotionLimits,
-    friction: float,
+    plant: GroundPlant, stands: tuple[PlanarLeg, ...], motion: GroundMotion, limits: MotionLimits, friction: float
 ) -> dict[str, float]:
     """Smallest margins of a motion to all limits, negative where one is exceeded."""
     time, q, base = motion.time, motion.q, motion.base

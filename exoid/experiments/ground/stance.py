@@ -82,12 +82,7 @@ def squats_and_shifts(
 
 
 def single_support(
-    plant: GroundPlant,
-    duration: float = 30.0,
-    *,
-    stance: Stance = ON_ONE_FOOT,
-    standing: int = 0,
-    seed: int = 0,
+    plant: GroundPlant, duration: float = 30.0, *, stance: Stance = ON_ONE_FOOT, standing: int = 0, seed: int = 0
 ) -> GroundRun:
     """Let a machine stand on one foot and swing the other leg, with a hand on a rail.
 
@@ -157,13 +152,7 @@ def stance_motion(
     return planned_motion(plant, time, q, base, bearings)
 
 
-def swing(
-    plant: GroundPlant,
-    duration: float = 30.0,
-    *,
-    scale: float = 1.0,
-    seed: int = 0,
-) -> GroundRun:
+def swing(plant: GroundPlant, duration: float = 30.0, *, scale: float = 1.0, seed: int = 0) -> GroundRun:
     """Let the legs of a machine swing while a stand holds its torso in the air.
 
     Args:

@@ -43,12 +43,7 @@ SCALE, SUPPORT = 0.9, 0.2
 """Factor of the amplitudes of the stride about its mean, and share of the weight that the harness bears."""
 
 
-def walking(
-    plant: GroundPlant,
-    duration: float = 30.0,
-    *,
-    period: float = 1.4,
-) -> GroundRun:
+def walking(plant: GroundPlant, duration: float = 30.0, *, period: float = 1.4) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
 
     Height and speed of the carriage are those at which the lowest point of the soles would stand still. A foot that

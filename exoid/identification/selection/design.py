@@ -14,9 +14,10 @@ from exoid._typing import FloatArray
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import JointMotion, Motion, Presliding, TorqueModel
+from exoid.torques.catalog import USUAL
 from exoid.torques.terms import SLOW
 
-from .patterns import USUAL, Column, Columns
+from .patterns import Column, Columns
 
 REST = 0.3  # a joint that is slower than at a reversal for so long rests [s]; by seeds below 100 of the proving ground
 

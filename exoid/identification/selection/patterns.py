@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.torques import DEFAULT_TERMS, Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
+from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
+from exoid.torques.catalog import USUAL
 from exoid.torques.terms import DryFriction
 
 LOAD = ("mu", "mu_drive", "mu_back")
@@ -19,9 +20,6 @@ DRY = ("c0", *LOAD, "cs")
 
 ALWAYS = ("c0", "d")
 """Symbols that a joint keeps unless they are negative: nearly every machine has them."""
-
-USUAL = next(term for term in DEFAULT_TERMS if isinstance(term, Coulomb))
-"""Coulomb friction of the default terms: friction without presliding has its smoothing, and its reversal speed."""
 
 VELOCITIES = (0.02, 0.03, 0.06, 0.085, 0.12, 0.17, 0.25, 0.35, 0.5)
 """Stribeck velocities that are tried [rad/s]. A model whose best velocity describes reversals loses; the last is an

@@ -24,8 +24,8 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, ZeroPhase
 from exoid.signals.cutoff import choose_cutoff
 from exoid.tools.tables import make_table, to_text
-from exoid.torques import DEFAULT_TERMS, Armature, Term
-from exoid.torques.catalog import TERMS
+from exoid.torques import Armature, Term
+from exoid.torques.catalog import TERMS, terms_of
 
 from .by_joint import Candidate, select_by_joint
 from .patterns import JointFriction
@@ -203,6 +203,6 @@ def _late_torques(leg: Leg, recordings: Sequence[Recording], cutoff: float, besi
     # One joint that is late, or torques that are early, may be friction of another form.
     with suppress(ExoidError):
         how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
-        late = identify(leg, recordings, (*DEFAULT_TERMS, *beside), **how).torque_delays
+        late = identify(leg, recordings, (*terms_of(leg, None), *beside), **how).torque_delays
         return dict(enumerate(late.tolist())) if (late > 0.0).all() else {}
     return {}
