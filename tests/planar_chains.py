@@ -173,14 +173,7 @@ def random_chain(
 
 
 def random_segment(
-    rng: np.random.Generator,
-    *,
-    sign: int,
-    offset: Array,
-    turned: bool,
-    attached: bool,
-    spaced: bool,
-    continuous: bool,
+    rng: np.random.Generator, *, sign: int, offset: Array, turned: bool, attached: bool, spaced: bool, continuous: bool
 ) -> Segment:
     """Draw the numbers of a segment whose structure is given."""
     frame = pin.rpy.rpyToMatrix(rng.uniform(-3, 3, 3)) if turned else np.eye(3)

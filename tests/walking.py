@@ -107,8 +107,6 @@ class Walk:
             tau=noisy(tau, np.resize(TORQUE_NOISE, q.shape[1])),
             joint_names=self.leg.joint_names,
             base=BaseMotion.from_imu(
-                noisy(base.angular_velocity, GYRO_NOISE),
-                noisy(base.specific_force_at(IMU), FORCE_NOISE),
-                position=IMU,
+                noisy(base.angular_velocity, GYRO_NOISE), noisy(base.specific_force_at(IMU), FORCE_NOISE), position=IMU
             ),
         )

@@ -52,6 +52,7 @@ def test_a_file_of_columns_says_what_the_options_say(values, log, tmp_path):
     assert by_file == values(*OPTIONS, "--unmeasured", "knee")
 
 
+@pytest.mark.slow
 def test_an_estimate_remembers_how_its_logs_were_read(exoid_, log):
     """The command line goes before it; --columns none forgets it."""
     run = exoid_("identify", "bleex", "log.csv", *OPTIONS, "--unmeasured", "knee", "--no-check", "-o", "est.json")
@@ -150,6 +151,7 @@ def amperes(tmp_path, data):
     (tmp_path / "lab.toml").write_text(AMPERES, encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_drives_and_delays_are_remembered_and_saved(exoid_, amperes, tmp_path):
     """The constant that was found goes before "unknown" in the file, which the user goes on giving."""
     run = exoid_(

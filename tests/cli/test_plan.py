@@ -58,6 +58,7 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
     assert [advice["what"] for advice in data["advice"]] == [advice.what for advice in said.advice]
 
 
+@pytest.mark.slow
 def test_motions_on_each_foot_are_written_and_printed(run, tmp_path):
     quick = ("--terms", "none", "--duration", "16", "--noise", "0.3")
     code, out, err = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figures", "drawn")

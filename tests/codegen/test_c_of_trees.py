@@ -18,7 +18,7 @@ from exoid.codegen import c_source
 from exoid.control import computed_torque, gravity_friction_pd
 from exoid.leg.description import describe
 
-pytestmark = needs_compiler
+pytestmark = [needs_compiler, pytest.mark.slow]
 
 EXACT, SINGLE = 1e-12, 2e-5
 """Largest error allowed in double and in float, relative to the largest entry."""

@@ -81,6 +81,7 @@ def test_metrics_are_what_their_names_say():
     assert run.to_json()["peak_deg"] == run.peak_deg.tolist()
 
 
+@pytest.mark.slow
 def test_many_rigs_at_once_do_what_each_does_alone():
     plants = [cuhk_plant(), cuhk_plant(0.0), cuhk_plant(c0_hip=3.0)]
     assert all(plant.leg is plants[0].leg for plant in plants)

@@ -29,6 +29,7 @@ def run():
     return simulate_law(cuhk_plant(), PD, GAIT, 4.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [PD, sensitivity_amplification(exact_estimate(), 3.0, rate=100.0), Limited(PD, 10.0, 100.0)],

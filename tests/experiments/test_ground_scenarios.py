@@ -91,6 +91,7 @@ def test_a_walking_machine_walks(walk):
     assert 0.02 < both.mean() < 0.3  # double support
 
 
+@pytest.mark.slow
 def test_the_seed_changes_the_motion_and_the_same_seed_does_not():
     first, same, other = (swing(EXO, 1.0, seed=seed) for seed in (0, 0, 1))
     assert first.q.tobytes() == same.q.tobytes()
@@ -112,6 +113,7 @@ def test_a_swing_log_gives_the_true_parameters_of_a_leg(leg):
     assert est["J2"].std < 0.01 * truth["J2"]
 
 
+@pytest.mark.slow
 def test_on_ice_feet_slip_and_the_switches_do_not_tell():
     run = squats_and_shifts(bleex_machine(ground_friction=0.022), 10.0)
     share = np.mean([~run.fixed(link) for link in run.feet])

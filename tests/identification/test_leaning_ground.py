@@ -10,6 +10,8 @@ from standing import mirrored, standing
 import exoid
 from exoid import BaseMotion, Coulomb, Viscous, Wrench
 
+pytestmark = pytest.mark.slow
+
 TERMS = (Coulomb(smoothing=0.05), Viscous())
 
 
@@ -37,7 +39,6 @@ def with_imu(log, seed, noise=1.0):
     return replace(log.recording, base=BaseMotion(gyro, force))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [pytest.param(0.5, marks=pytest.mark.nightly), -3.0])
 def test_the_lean_is_found_and_intervals_hold(exo, degrees):
     deviations = []
@@ -107,10 +108,7 @@ def rocking_logs(exo, sole, plates=False):
     return [replace(log.recording, wrenches=of_log) for log, of_log in zip(every, wrenches, strict=True)]
 
 
-@pytest.mark.parametrize(
-    ("sole", "plates"),
-    [(np.zeros_like, False), *(pytest.param(rocking, each, marks=pytest.mark.slow) for each in (False, True))],
-)
+@pytest.mark.parametrize(("sole", "plates"), [(np.zeros_like, False), (rocking, False), (rocking, True)])
 def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, sole, plates):
     """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
     estimate = exoid.identify(exo, rocking_logs(exo, sole, plates), TERMS, check=False)

@@ -122,6 +122,7 @@ def test_friction_that_falls_with_speed_is_not_given_a_negative_coefficient(leg)
     assert all(found.estimate.value(name) >= 0.0 for name in friction)
 
 
+@pytest.mark.slow
 def test_an_offset_is_kept_where_there_is_one_and_a_coefficient_that_is_banned_is_not_chosen(leg):
     recording = recorded(leg, plain, offset=np.array([0.0, 0.3]))
     found = search_joint_by_joint(Search(leg, [recording], 8.0, 3))
@@ -147,6 +148,7 @@ def test_what_holds_a_joint_at_rest_is_not_learnt(leg):
         assert not rows[~design.moves].any()
 
 
+@pytest.mark.slow
 def test_friction_is_selected_from_ten_samples_a_second(leg):
     """Behind a lower cut-off, which such a log can carry."""
     slow = recorded(leg, plain, seconds=60.0, rate=10.0)
@@ -156,6 +158,7 @@ def test_friction_is_selected_from_ten_samples_a_second(leg):
     assert found.identify(slow).value("c0_hip") == pytest.approx(0.8, abs=0.05)
 
 
+@pytest.mark.slow
 def test_what_is_known_is_held_by_every_candidate(leg):
     found = select_terms(leg, recorded(leg, plain, seconds=30.0, rate=20.0), folds=3, known={"X2": 1.6})
     assert found.to_json()["known"]["X2"] == found.estimate.value("X2") == 1.6

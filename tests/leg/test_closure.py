@@ -81,6 +81,7 @@ def test_random_motion_closes_all_loops_with_bounded_velocities(leg):
     assert (q.std(axis=0) > 0.3 * leg.closure.sizes).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_limits_beyond_the_reach_take_no_base_parameter_away(seed, tmp_path):
     legs = [cylinder_knee(seed, 0.6, limit).leg(tmp_path) for limit in (0.03, 0.045, 0.08, 0.2, 100.0)]

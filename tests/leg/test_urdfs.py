@@ -47,10 +47,7 @@ BLEEX_JOINTS = {  # axis, limits [deg], effort, velocity
     "knee": ((0, -1, 0), (-121, 0), 125, 8),
     "ankle": ((0, -1, 0), (-45, 45), 150, 8),
 }
-CUHK_JOINTS = {
-    "hip": ((0, -1, 0), (-30, 110), 80, 6.5),
-    "knee": ((0, 1, 0), (-15, 120), 60, 6.5),
-}
+CUHK_JOINTS = {"hip": ((0, -1, 0), (-30, 110), 80, 6.5), "knee": ((0, 1, 0), (-15, 120), 60, 6.5)}
 
 
 def expected_joints(name: str) -> dict[str, tuple]:
@@ -70,12 +67,7 @@ def test_joints_have_their_names_axes_and_limits(name):
         assert joint.get("type") == "revolute"
         assert tuple(float(a) for a in joint.find("axis").get("xyz").split()) == axis
         limit = {key: float(value) for key, value in joint.find("limit").attrib.items()}
-        expected = {
-            "lower": degrees[0] * DEG,
-            "upper": degrees[1] * DEG,
-            "effort": effort,
-            "velocity": velocity,
-        }
+        expected = {"lower": degrees[0] * DEG, "upper": degrees[1] * DEG, "effort": effort, "velocity": velocity}
         assert limit == pytest.approx(expected, rel=1e-15)
 
 
@@ -95,8 +87,7 @@ def test_the_leg_hangs_straight_down_at_the_zero_pose(name, joints, height, side
 
 
 @pytest.mark.parametrize(
-    ("name", "flexed"),
-    [("bleex.urdf", {"hip": 0.5, "knee": -1.0}), ("cuhk.urdf", {"hip": 0.5, "knee": 1.0})],
+    ("name", "flexed"), [("bleex.urdf", {"hip": 0.5, "knee": -1.0}), ("cuhk.urdf", {"hip": 0.5, "knee": 1.0})]
 )
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_flexion_brings_the_knee_forward_and_the_shank_back(name, flexed, side):

@@ -11,6 +11,8 @@ import pytest
 
 from exoid.online import RecursiveEstimator, load_change
 
+pytestmark = pytest.mark.slow
+
 STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_loads.py"), run_name="study_loads")
 Walker, RATE, PLACE, TERMS = (STUDY[name] for name in ("Walker", "RATE", "PLACE", "TERMS"))
 POPULATION = [(machine, stride) for machine in STUDY["MACHINES"] for stride in STUDY["STRIDES"]]
@@ -34,9 +36,9 @@ def estimator(walker):
     ("seed", "stride", "machine", "learning"),
     [
         (1000, 10.0, "three joints", False),
-        pytest.param(1001, 1.2, "abduction", False, marks=pytest.mark.slow),
+        (1001, 1.2, "abduction", False),
         (1003, 4.0, "two joints", True),  # strapped on while the estimator still learns the leg
-        pytest.param(1004, 10.0, "three joints", True, marks=pytest.mark.slow),
+        (1004, 10.0, "three joints", True),
         *(
             pytest.param(1005 + k, stride, machine, False, marks=pytest.mark.nightly)
             for k, (machine, stride) in enumerate(POPULATION)
@@ -53,7 +55,7 @@ def test_a_load_is_found_within_a_stride_or_5_s(seed, stride, machine, learning)
 
 
 @pytest.mark.parametrize("fault", STUDY["FAULTS"])
-@pytest.mark.parametrize("seed", [1001, pytest.param(1002, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [1001, 1002])
 def test_a_sensor_that_fails_is_named_and_moves_no_parameter(seed, fault):
     found = STUDY["spoil"](seed, 1.2, "three joints", fault)
     assert found.names == found.right
@@ -91,11 +93,7 @@ def test_a_load_in_the_first_strides_is_found_whatever_the_motion_was():
 
 
 @pytest.mark.parametrize(
-    ("stride", "machine"),
-    [
-        (10.0, "abduction"),
-        *(pytest.param(x, one, marks=pytest.mark.slow) for one in STUDY["MACHINES"] for x in (1.2, 10.0)),
-    ],
+    ("stride", "machine"), [(10.0, "abduction"), *((x, one) for one in STUDY["MACHINES"] for x in (1.2, 10.0))]
 )
 def test_learning_a_leg_is_no_change(stride, machine):
     walker = Walker.of(1000, stride, machine)
@@ -189,7 +187,7 @@ def test_a_joint_that_weighs_three_hundred_times_another_hides_no_load():
     assert STUDY["named"](online) == ("load at knee",)
 
 
-@pytest.mark.parametrize("size", [pytest.param(5.0, marks=pytest.mark.slow), 20.0])
+@pytest.mark.parametrize("size", [5.0, 20.0])
 def test_torques_that_no_parameter_explains_are_a_finding(size):
     """Somebody pushes at the knee, now this way and now that: all is given up, said, and taken back afterwards."""
     walker = Walker.of(1001, 1.2)

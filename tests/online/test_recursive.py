@@ -187,6 +187,7 @@ MISTAKES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_mistakes_of_a_stream_are_named(leg, truth, mistake):
     q, v, _, tau = swing(leg, truth, 30.0)

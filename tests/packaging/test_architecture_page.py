@@ -31,6 +31,7 @@ def test_the_table_names_every_room(script):
         assert f"| {number} | `{room}` |" in page
 
 
+@pytest.mark.slow
 def test_the_route_of_a_recording_is_what_the_script_prints():
     ran = subprocess.run(
         [sys.executable, ROOT / "scripts" / "route.py"], capture_output=True, text=True, check=True, cwd=ROOT

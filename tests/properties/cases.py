@@ -16,11 +16,7 @@ DONE: Counter[str] = Counter()
 
 def cases(share):
     """Try a property on a share of all cases; put it above ``@given``."""
-    limit = settings(
-        max_examples=max(1, round(share * TOTAL)),
-        deadline=None,
-        suppress_health_check=list(HealthCheck),
-    )
+    limit = settings(max_examples=max(1, round(share * TOTAL)), deadline=None, suppress_health_check=list(HealthCheck))
 
     def counted(test):
         inner = test.hypothesis.inner_test

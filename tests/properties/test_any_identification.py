@@ -60,6 +60,7 @@ def _motion(leg, seed, samples=160, rate=50.0):
     return time, *(x.sum(-1) for x in state)
 
 
+@pytest.mark.slow
 @cases(0.03)
 @given(
     seed=st.integers(0, 2**31),

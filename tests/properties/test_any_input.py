@@ -197,6 +197,7 @@ def _fits_xml(text):
     return all(character in "\t\n\r" or character.isprintable() for character in text)
 
 
+@pytest.mark.slow
 @cases(0.2)
 @given(text=urdfs(), joints=st.sampled_from([None, ("left_hip", "left_knee"), ("left_knee",), ("left_wing",)]))
 def test_any_urdf_is_a_leg_whose_regressor_is_pinocchios_dynamics_or_is_refused(text, joints):

@@ -14,7 +14,9 @@ from .machine import draw
 from .population import without_gravity
 from .simulate import simulate
 
-SEEDS = 0, pytest.param(14, marks=pytest.mark.slow), *(pytest.param(k, marks=pytest.mark.nightly) for k in (2, 22, 36))
+pytestmark = pytest.mark.slow
+
+SEEDS = 0, 14, *(pytest.param(k, marks=pytest.mark.nightly) for k in (2, 22, 36))
 
 
 @cache

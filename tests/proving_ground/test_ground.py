@@ -12,10 +12,10 @@ from .friction import OF_C0, STEP, Friction, Laws
 from .machine import COLOURS, TORQUES, draw
 from .simulate import simulate
 
+pytestmark = pytest.mark.slow
+
 SEEDS = (0, 3, 6, 8, 12, 13)
 """Machines that are fixed and floating, planar and not, with passive and with elastic joints."""
-
-FEW = [*SEEDS[:2], *(pytest.param(seed, marks=pytest.mark.slow) for seed in SEEDS[2:])]
 
 
 @cache
@@ -46,7 +46,7 @@ def states(machine, truth):
     return model, dofs, q, v, a
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_pinocchio_on_the_true_urdf_needs_the_torques_that_mujoco_applied(seed):
     machine, log = logged(seed)
     model, dofs, q, v, a = states(machine, log.truth)
@@ -58,7 +58,7 @@ def test_pinocchio_on_the_true_urdf_needs_the_torques_that_mujoco_applied(seed):
         np.testing.assert_allclose(needed[:, :6], log.truth.base[rows, 19:], rtol=0.0, atol=1e-9 * scale)
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_drives_do_the_work_that_energy_and_friction_take(seed):
     machine, log = logged(seed)
     model, _, q, v, _ = states(machine, log.truth)

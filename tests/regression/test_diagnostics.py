@@ -87,6 +87,7 @@ def test_residuals_with_memory_are_called_so_and_count_less(swing):
     assert "residuals not white: left_hip, left_knee, left_ankle" in " ".join(str(estimate).split())
 
 
+@pytest.mark.slow
 def test_whiteness_is_uniform_where_noise_is_white(swing):
     """One test in ten at the ten-percent level, of 90."""
     rng = np.random.default_rng(3)

@@ -8,6 +8,8 @@ import exoid
 from exoid.experiments import Hold
 from exoid.rig import HydraulicServo, IdealTorque, Plant, Proportional, Rates, Stepper, Target, simulate
 
+pytestmark = pytest.mark.slow
+
 KH, CL, KV = 5000.0, 0.01, 10.0
 """Oil stiffness, leakage and valve gain; with Kp = 1 a bandwidth of 10 1/s and a static stiffness of 1000 N·m/rad."""
 
@@ -55,7 +57,6 @@ def test_static_stiffness_of_the_servo_is_valve_gain_over_leakage():
     assert run.tau[-1, 0, 0] == pytest.approx(load, rel=1e-6)
 
 
-@pytest.mark.slow
 def test_bandwidth_of_the_servo_is_valve_gain_times_controller_gain():
     """At 10 rad/s a lag of 10 1/s leaves 1/√2 of the amplitude; oil stiffness and inertia change that by a percent."""
     run = servo_run(CL, 4.0, amplitude=0.05, step=5e-4)
@@ -69,7 +70,6 @@ def test_bandwidth_of_the_servo_is_valve_gain_times_controller_gain():
     assert abs(s + 1j * c) == pytest.approx(np.sqrt(0.5), rel=0.05)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("leakage", "grows"), [(1.3 * KV / KH, False), (0.5 * KV / KH, True), (0.3 * KV / KH, True)])
 def test_the_servo_is_stable_only_if_its_leakage_is_fast_enough(leakage, grows):
     """Routh: J s³ + kh cl J s² + kh s + Kv Kp kh is stable if and only if kh cl > Kv Kp."""

@@ -8,6 +8,8 @@ from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle
 from exoid.experiments import Hold
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, simulate
 
+pytestmark = pytest.mark.slow
+
 MACHINES = {"four-bar knee": four_bar_knee, "two-rod ankle": two_rod_ankle, "cylinder": cylinder_knee}
 
 

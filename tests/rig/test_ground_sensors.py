@@ -11,6 +11,8 @@ from exoid.experiments.ground import bleex_machine, single_support, walking
 from exoid.rig.ground import GroundSensors
 from exoid.signals import ZeroPhase
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def walk():
@@ -22,7 +24,6 @@ def squats():
     return single_support(bleex_machine("left"), 3.0)
 
 
-@pytest.mark.slow
 def test_exact_sensors_read_the_truth(walk):
     log = walk.recording(GroundSensors.exact())
     np.testing.assert_array_equal(log.q, walk.q)

@@ -15,6 +15,8 @@ from exoid.rig import Rates
 from exoid.rig.ground import Block, GroundMotion, GroundPlant, JointGains, Sole, Spring, simulate_on_ground
 from exoid.rig.ground.engine import Engine
 
+pytestmark = pytest.mark.slow
+
 PLANT = bleex_machine()
 GAINS = JointGains((2000.0, 2000.0, 1500.0), (60.0, 60.0, 40.0))
 STAND = np.array([0.45, -0.65, 0.45] * 2)

@@ -53,6 +53,7 @@ def test_a_delay_counts_in_control_periods_however_often_the_log_reads():
     np.testing.assert_array_equal(often.q_measured[8:], often.q[:-8])
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_one_does_not():
     one, same, other = (run(sensors=NOISY, seed=seed) for seed in (3, 3, 4))
     for name in ("time", "q", "v", "tau", "q_measured", "v_measured", "tau_measured", "target"):
@@ -60,6 +61,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_one_does_not():
     assert (one.tau_measured != other.tau_measured).mean() > 0.99
 
 
+@pytest.mark.slow
 def test_rigs_in_a_batch_behave_like_single_rigs():
     plants = [Plant.build(BLEEX, {**FRICTION, "b1_knee": x, "Ia_hip": 0.1 * x}, pitch=0.1 * x) for x in range(5)]
     together = run(Plant.concatenate(plants))

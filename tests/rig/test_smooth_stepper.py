@@ -17,6 +17,8 @@ from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, simulat
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 from smooth_stepper import CoupledMotors, SmoothStepper
 
+pytestmark = pytest.mark.slow
+
 SMOOTHING = 0.05
 PD = ProportionalDerivative(np.array([400.0, 200.0, 40.0]), np.array([40.0, 20.0, 3.0]))
 SECONDS = 1.0

@@ -31,6 +31,8 @@ from exoid.rig import (
 from exoid.rig.worn_stepper import WornStepper
 from exoid.torques.payloads import payload_parameters
 
+pytestmark = pytest.mark.slow
+
 CUHK = exoid.load_leg("cuhk")
 FREE = Plant.build(CUHK, {"d_hip": 0.3, "d_knee": 0.2, "b1_knee": 2.0, "Ia_hip": 0.4}, end_stops=False)
 STICKING = Plant.build(CUHK, {"c0_hip": 1.4, "c0_knee": 0.6, "cs_knee": 0.9, "d_knee": 0.2})
@@ -107,8 +109,7 @@ WEARERS = {
 
 
 @pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, marks=getattr(pytest.mark, "slow" if kind == "active" else "nightly")) for kind in WEARERS],
+    "kind", ["active", *(pytest.param(kind, marks=pytest.mark.nightly) for kind in WEARERS if kind != "active")]
 )
 def test_leg_and_limb_move_as_pinocchio_says(kind):
     """Another integrator, other dynamics code, leg and limb as two trees: 1e-5 rad, and the torque between them."""
@@ -151,7 +152,6 @@ def test_a_spatial_leg_may_be_worn():
 # ------------------------------------------------------------------------------------------------ limits
 
 
-@pytest.mark.slow
 def test_no_cuff_no_interaction():
     """Not a bit of the leg's motion changes."""
     loose = Wearer.build(CUHK, cuff_stiffness=0.0, cuff_damping=0.0)
@@ -178,7 +178,6 @@ def test_no_energy_comes_from_nowhere(kind, actuator):
     assert run.energy.dissipated[0] > 1.0
 
 
-@pytest.mark.slow
 def test_the_muscles_work_is_part_of_the_balance():
     """The wearer walks in a leg without actuators: friction and cuffs dissipate what the muscles give."""
     run = worn(STICKING, WEARERS["active"], 3.0, rates=Rates(500.0, 50.0, 5e-4))
@@ -190,7 +189,6 @@ def test_the_muscles_work_is_part_of_the_balance():
 # -------------------------------------------------------------------------------------------- many rigs
 
 
-@pytest.mark.slow
 def test_joints_stick_stop_and_reverse_under_a_wearer():
     """One rig and two agree where the leg sticks and meets its end stops."""
     plant = Plant.build(BLEEX, EVERYTHING)

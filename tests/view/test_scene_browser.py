@@ -41,6 +41,7 @@ def switch(page, label):
     )
 
 
+@pytest.mark.slow
 def test_both_legs_in_a_file_without_a_network(browser, tmp_path):
     legs = [exoid.load_leg("bleex", side) for side in ("left", "right")]
     drawn = scene(*legs, pose={"left_hip": 0.4, "left_knee": -0.7, "right_hip": -0.2, "right_knee": -0.3})

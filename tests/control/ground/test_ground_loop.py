@@ -15,6 +15,8 @@ from exoid.experiments.ground.stance import HAND_RAIL
 from exoid.rig import Rates
 from exoid.rig.ground import SPASTIC, Block, Faults, GroundSensors, GroundWearer, simulate_on_ground
 
+pytestmark = pytest.mark.slow
+
 RATES = Rates(control=250.0, log=500.0, step=5e-4)
 
 
@@ -76,7 +78,6 @@ def test_the_force_of_a_hand_is_read_and_logged(truth, reference):
     assert "torso" in log.wrenches
 
 
-@pytest.mark.slow
 def test_faults_of_readings(truth, reference):
     """Joint and pitch freeze, switches are late, and one is stuck: torques stay within the limits."""
     late = Faults(switch_delay=0.08, frozen={"left_knee": 0.3})
@@ -91,7 +92,6 @@ def test_faults_of_readings(truth, reference):
         simulate_on_ground(truth, reference, GroundLoop(stance(truth), reference, lambda _: {"left": 1.0}), rates=RATES)
 
 
-@pytest.mark.slow
 def test_feet_slip_on_a_slippery_patch_only(truth):
     bowing = ground.stance_motion(truth, 0.6, stance=ground.Stance(bow=0.2, frequency=1.2), seed=3)
     for friction, slips in ((0.01, True), (0.8, False)):

@@ -10,6 +10,8 @@ from exoid.lab.coordination import day, study
 from exoid.rig.ground import Sole
 from exoid.torques.model import TorqueModel
 
+pytestmark = pytest.mark.slow
+
 
 def filter_of(plant, soles):
     """The filter that knows the machine to 1 %."""

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from standing import GRAVITY, Standing, mirrored, standing
 from unchecked import identify
 
@@ -243,25 +244,28 @@ def test_a_recording_that_the_others_contradict_is_named(exo, stance, sign):
 
 
 RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
-AROUND = np.array([-1.0, -1.0, 1.0])
+STRAIGHT, AROUND, ASKEW = (Rotation.from_euler("z", angle, degrees=True).as_matrix() for angle in (0.0, 180.0, 15.0))
 
 
 @pytest.mark.parametrize(
     ("turn", "rate", "contacts", "message"),
     [
         pytest.param(AROUND, 1.0, {}, "-x, -y, z", id="a sensor that is mounted the other way round"),
-        pytest.param(1.0, 0.0, {}, "reads 0 times", id="a gyroscope that is dead"),
-        pytest.param(1.0, np.pi / 180.0, {}, "reads 0.017 times", id="rad/s that are read as degrees"),
-        pytest.param(1.0, 1.0, RIGHT, "as if left_foot stood", id="switches that are interchanged"),
-        pytest.param(1.0, 1.0, {"left_foot": RIGHT["left_foot"]}, "hardly any weight", id="a switch that is inverted"),
+        pytest.param(ASKEW, 1.0, {}, r"by 15° about \(-?0.00, -?0.00, 1.00\)", id="a sensor that is mounted askew"),
+        pytest.param(STRAIGHT, 0.0, {}, "reads 0 times", id="a gyroscope that is dead"),
+        pytest.param(STRAIGHT, np.pi / 180.0, {}, "reads 0.017 times", id="rad/s that are read as degrees"),
+        pytest.param(STRAIGHT, 1.0, RIGHT, "as if left_foot stood", id="switches that are interchanged"),
+        pytest.param(
+            STRAIGHT, 1.0, {"left_foot": RIGHT["left_foot"]}, "hardly any weight", id="a switch that is inverted"
+        ),
     ],
 )
 def test_a_base_that_moves_otherwise_than_its_foot_is_refused(exo, stance, turn, rate, contacts, message):
     """Before, torques had another sign or scale, or nothing was said."""
     log = with_imu(stance[1], 0)
     assert split(exo, log).stretches
-    base = replace(log.base, angular_velocity=rate * turn * log.base.angular_velocity)
-    base = replace(base, specific_force=turn * base.specific_force)
+    base = replace(log.base, angular_velocity=rate * log.base.angular_velocity @ turn.T)
+    base = replace(base, specific_force=base.specific_force @ turn.T)
     with pytest.raises(ExoidError, match=message):
         split(exo, replace(log, base=base, contacts=contacts or log.contacts))
 
@@ -324,6 +328,7 @@ def test_a_recording_without_rest_has_the_bias_of_its_session(exo, stance):
     np.testing.assert_allclose(again.values, found.values, atol=0.2 * found.std.min())
 
 
+@pytest.mark.slow
 def test_a_bias_that_no_rest_tells_follows_from_the_rows(exo):
     """A bias of 1 % of gravity is 1 % of every X, where it is not found."""
     log = standing(exo, "left", seconds=15.0, seed=50, noise=NOISE, encoder=ENCODER, friction=friction)
