@@ -33,6 +33,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_python_runs_from_top_to_bottom(folder):
     out = PAGE.run_python(folder)
     assert "wls estimate of 20 parameters" in out

@@ -10,6 +10,8 @@ from exoid.control import ControlModel, State, compare_laws, gravity_friction_pd
 from exoid.experiments import Hold, healthy_gait
 from exoid.rig import Plant, Target
 
+pytestmark = pytest.mark.slow
+
 KP, KD = (22.0, 56.0), (2.2, 5.6)
 
 
@@ -81,7 +83,6 @@ def test_metrics_are_what_their_names_say():
     assert run.to_json()["peak_deg"] == run.peak_deg.tolist()
 
 
-@pytest.mark.slow
 def test_many_rigs_at_once_do_what_each_does_alone():
     plants = [cuhk_plant(), cuhk_plant(0.0), cuhk_plant(c0_hip=3.0)]
     assert all(plant.leg is plants[0].leg for plant in plants)

@@ -98,6 +98,7 @@ def test_a_floating_base_is_refused(tmp_path):
     assert not (tmp_path / "leg.xml").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [four_bar_knee, two_rod_ankle, cylinder_knee])
 def test_mujoco_closes_the_loops_of_a_closed_leg(make, tmp_path):
     """At rest its acceleration under the motors' torque is that of exoid."""

@@ -18,6 +18,8 @@ from exoid.leg.torso import TorsoMotion, base_kinematics
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.standing_base import standing_base
 
+pytestmark = pytest.mark.slow
+
 EXO = exoid.load_exo("bleex", base="floating")
 COUNT = len(EXO.parameters)
 STD = (0.5, 0.4, 0.2) * 2
@@ -108,7 +110,6 @@ def test_the_precision_of_any_stance_is_the_scatter_of_identifications(plan):
     assert_scatter_is_predicted(logs, model, information_of(model, logs, TorqueNoise(STD)).precision(model, scales))
 
 
-@pytest.mark.slow
 def test_a_machine_follows_a_plan_on_flat_feet_and_is_identified(plan):
     """On one foot without a hand rail; an IMU tells how the torso moves on soles that give way a little."""
     pytest.importorskip("mujoco")

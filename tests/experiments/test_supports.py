@@ -9,6 +9,8 @@ from public_robots import urdf_of
 import exoid
 from exoid.experiments.excitation import determined_on
 
+pytestmark = pytest.mark.slow
+
 FEET = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
 
 

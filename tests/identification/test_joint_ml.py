@@ -17,6 +17,8 @@ from exoid.identification.estimators.trajectory import Trajectory
 from exoid.signals import Poses
 from exoid.torques import Motion, TorqueModel
 
+pytestmark = pytest.mark.slow
+
 ANGLE, TORQUE = 1e-3, 0.05
 NO_PRIORS = np.zeros((0, 16))
 

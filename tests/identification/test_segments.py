@@ -13,6 +13,8 @@ from exoid.regression.every_row import make_rows
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
+pytestmark = pytest.mark.slow
+
 RATE, SWINGS, LENGTH = 100.0, 30, 0.4
 NOISE = np.array([0.3, 0.2, 0.1])
 
@@ -57,7 +59,7 @@ def error(recordings, **options):
     return np.abs(estimate.values / swing().truth - 1.0).max()
 
 
-@pytest.mark.parametrize("estimator", ["wls", *(pytest.param(x, marks=pytest.mark.slow) for x in ("ols", "huber"))])
+@pytest.mark.parametrize("estimator", ["wls", "ols", "huber"])
 def test_segments_give_every_parameter_though_the_torque_between_them_is_that_of_a_stance(estimator):
     """Noise-free, 50 N·m of another force outside; the parallel filter does not carry it into the segments."""
     assert error(segmented(stance=50.0), estimator=estimator) < 1e-4
@@ -114,7 +116,6 @@ def test_a_recording_in_which_nothing_counts_is_refused():
         error(dataclasses.replace(log(), mask=np.zeros(len(mask()))))
 
 
-@pytest.mark.slow
 def test_noise_that_outlasts_the_segments_is_warned_of_and_other_noise_is_not():
     def warned(recordings):
         estimate = exoid.identify(swing().leg, recordings, TERMS, check=False)

@@ -20,6 +20,8 @@ from exoid.regression.rows import form_rows, prepare
 from exoid.signals import Poses, ZeroPhase
 from exoid.torques import JointMotion, LoadFriction, Presliding, TorqueModel
 
+pytestmark = pytest.mark.slow
+
 
 def recorded(leg, friction, seed=1, noise=0.02, offset=0.0, seconds=16.0, rate=200.0):
     """Harmonics of a tenth of a hertz at both joints, with a friction that the test writes."""
@@ -56,7 +58,6 @@ def selection(leg):
     return select_terms(leg, recorded(leg, different))
 
 
-@pytest.mark.slow
 def test_each_joint_gets_the_friction_that_it_has(selection):
     hip, knee = selection.joints
     print(selection)
@@ -67,7 +68,6 @@ def test_each_joint_gets_the_friction_that_it_has(selection):
     assert knee.presliding == knee.stribeck_velocity == 0.0
 
 
-@pytest.mark.slow
 def test_the_fit_that_confirmed_the_choice_finds_the_coefficients(selection):
     estimate = selection.estimate
     truth = {"c0_hip": 2.0, "mu_hip": 0.15, "d_hip": 0.6, "c0_knee": 0.7, "d_knee": 0.4}
@@ -76,7 +76,6 @@ def test_the_fit_that_confirmed_the_choice_finds_the_coefficients(selection):
     assert "not" not in estimate.identifiability
 
 
-@pytest.mark.slow
 def test_the_choice_predicts_another_motion_as_well_as_the_true_terms(leg, selection):
     test = recorded(leg, different, seed=2)
     found = exoid.validate(selection.estimate, test).nrmse
@@ -92,7 +91,6 @@ def test_the_choice_predicts_another_motion_as_well_as_the_true_terms(leg, selec
     assert (found <= 1.15 * exoid.validate(truth, test).nrmse).all()
 
 
-@pytest.mark.slow
 def test_a_selection_prints_itself_turns_into_json_and_identifies_again(leg, selection):
     found = selection
     assert "dissipates at every speed" in str(found)
@@ -106,7 +104,6 @@ def test_a_selection_prints_itself_turns_into_json_and_identifies_again(leg, sel
     np.testing.assert_array_equal(again.values, found.estimate.values)
 
 
-@pytest.mark.slow
 def test_friction_that_falls_with_speed_is_not_given_a_negative_coefficient(leg):
     """Least squares with Coulomb and viscous friction finds a negative viscous coefficient, which drives at speed."""
 
@@ -122,7 +119,6 @@ def test_friction_that_falls_with_speed_is_not_given_a_negative_coefficient(leg)
     assert all(found.estimate.value(name) >= 0.0 for name in friction)
 
 
-@pytest.mark.slow
 def test_an_offset_is_kept_where_there_is_one_and_a_coefficient_that_is_banned_is_not_chosen(leg):
     recording = recorded(leg, plain, offset=np.array([0.0, 0.3]))
     found = search_joint_by_joint(Search(leg, [recording], 8.0, 3))
@@ -148,7 +144,6 @@ def test_what_holds_a_joint_at_rest_is_not_learnt(leg):
         assert not rows[~design.moves].any()
 
 
-@pytest.mark.slow
 def test_friction_is_selected_from_ten_samples_a_second(leg):
     """Behind a lower cut-off, which such a log can carry."""
     slow = recorded(leg, plain, seconds=60.0, rate=10.0)
@@ -158,14 +153,12 @@ def test_friction_is_selected_from_ten_samples_a_second(leg):
     assert found.identify(slow).value("c0_hip") == pytest.approx(0.8, abs=0.05)
 
 
-@pytest.mark.slow
 def test_what_is_known_is_held_by_every_candidate(leg):
     found = select_terms(leg, recorded(leg, plain, seconds=30.0, rate=20.0), folds=3, known={"X2": 1.6})
     assert found.to_json()["known"]["X2"] == found.estimate.value("X2") == 1.6
     assert found.estimate["X2"].std == 0.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("wrong", "chosen"), [(0.0, "by joint, Y2 of the URDF"), (0.05, "by joint")])
 def test_a_segment_that_the_urdf_says_is_symmetric_is_taken_for_it_unless_the_rows_speak_against_it(wrong, chosen):
     leg = exoid.load_leg("cuhk")
@@ -252,7 +245,6 @@ def test_projection_gives_the_solution_of_all_parameters_at_once(design):
     np.testing.assert_allclose(without - np.tensordot(one[0], lowered, 1), left, rtol=1e-5, atol=1e-7)
 
 
-@pytest.mark.slow
 def test_a_choice_that_does_not_transfer_to_faster_motion_is_warned_of(selection):
     found = selection
     assert found.warnings == ()
@@ -310,7 +302,6 @@ def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki
     assert (errors[0] <= 1.25 * errors[1]).all()
 
 
-@pytest.mark.slow
 def test_torques_that_are_late_do_not_decide_on_friction(leg):
     late = recorded(leg, plain)
     late = dataclasses.replace(late, tau=np.vstack([late.tau[:2], late.tau[:-2]]))  # by 10 ms

@@ -16,6 +16,8 @@ from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.torques import TorqueModel
 
+pytestmark = pytest.mark.slow
+
 DRIVEN = (Coulomb(joints=("hip", "knee")), Viscous(joints=("hip", "knee")))
 
 

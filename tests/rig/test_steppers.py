@@ -9,6 +9,8 @@ import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.rig import Plant, Stepper
 
+pytestmark = pytest.mark.slow
+
 
 def final_state(plant, dt, duration):
     """State after a run under a smooth torque, and how often joints rested."""
@@ -25,10 +27,7 @@ def one_and_two(plant, q, v, dt):
     return Stepper(plant, q, v, dt), Stepper(twice, *(np.broadcast_to(x, (plant.n, 2)) for x in (q, v)), dt)
 
 
-@pytest.mark.parametrize(
-    ("end_stops", "pitch"),
-    [(True, 0.3), (False, 0.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((True, 0.0), (False, 0.3)))],
-)
+@pytest.mark.parametrize(("end_stops", "pitch"), [(True, 0.3), (False, 0.0), (True, 0.0), (False, 0.3)])
 def test_one_rig_by_pinocchio_moves_as_many_in_closed_form(end_stops, pitch):
     plant = Plant.build(BLEEX, EVERYTHING, pitch=pitch, end_stops=end_stops)
     rigs = one_and_two(plant, POSE, zeros(plant), 5e-4)
@@ -46,7 +45,6 @@ def test_one_rig_by_pinocchio_moves_as_many_in_closed_form(end_stops, pitch):
     np.testing.assert_allclose(gains[1], gains[0][0], rtol=0, atol=1e-9)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"d_hip": 0.3, "b1_knee": 3.0, "Ia_ankle": 0.05}])
 def test_without_friction_half_the_step_has_a_quarter_of_the_error(values):
     plant = Plant.build(BLEEX, values, end_stops=False)
@@ -56,7 +54,6 @@ def test_without_friction_half_the_step_has_a_quarter_of_the_error(values):
     assert errors[1] < 1e-3
 
 
-@pytest.mark.slow
 def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     """Root mean square over rigs that stop, rest and turn at other times each."""
     B = 16
@@ -69,7 +66,6 @@ def test_with_stick_and_slip_half_the_step_has_half_the_error_or_less():
     assert errors[2] < 2e-4
 
 
-@pytest.mark.slow
 def test_a_joint_within_its_friction_band_does_not_move_at_all():
     plant = Plant.build(BLEEX, FRICTION)
     gravity = BLEEX.gravity(POSE.T).T
@@ -166,7 +162,6 @@ def test_mujoco_swings_alike_without_friction():
     assert np.ptp(ours, axis=0).min() > 0.5
 
 
-@pytest.mark.slow
 def test_mujoco_agrees_on_stick_slip_better_the_stiffer_its_friction():
     """MuJoCo's friction is viscous below a speed of about c · solref / 2M, ours is not: they differ in proportion."""
     plant = Plant.build(BLEEX, {**SMOOTH, **FRICTION}, end_stops=False)

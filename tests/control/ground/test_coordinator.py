@@ -83,6 +83,7 @@ def test_a_lost_footing_is_damped_and_the_stop_ends_by_a_request_only():
     assert run(machine, memory, BOTH, 0.5, request="stand").function == "stand"
 
 
+@pytest.mark.slow
 def test_no_leg_that_may_be_in_the_air_bears_load():
     """Random probabilities, requests and postures: what the last state was does not matter."""
     machine, rng = coordinator(), np.random.default_rng(0)

@@ -24,6 +24,8 @@ from exoid.leg.model import dynamic_parameters
 from exoid.leg.published import bleex_parameters
 from exoid.leg.published.parameters import BLEEX_SETS
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def bleex():
@@ -108,7 +110,7 @@ def test_neither_covariance_nor_pull_matters_where_the_estimate_is_feasible(blee
 # ---------------------------------------------------------------------------------------- infeasible
 
 
-@pytest.mark.parametrize("robot", ["bleex", "cuhk", pytest.param("ur5", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("robot", ["bleex", "cuhk", "ur5"])
 def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robot, arm):
     leg = arm if robot == "ur5" else exoid.load_leg(robot)
     rng = np.random.default_rng(4)
@@ -129,9 +131,7 @@ def test_infeasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(ro
     assert infeasible >= 3
 
 
-@pytest.mark.parametrize(
-    "pull", [pytest.param(0.1, marks=pytest.mark.slow), 1.0, pytest.param(30.0, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("pull", [0.1, 1.0, 30.0])
 @pytest.mark.parametrize("robot", ["bleex", "ur5"])
 def test_a_pull_finds_the_optimum_of_the_semidefinite_program(robot, pull, arm):
     leg = arm if robot == "ur5" else exoid.load_leg(robot)

@@ -42,6 +42,7 @@ def test_table_iii_of_document_2_is_no_leg():
     assert "shank: its centre of mass is on the wrong side of its joint (X2 = -0.602" in str(found)
 
 
+@pytest.mark.slow
 def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
     rng = np.random.default_rng(0)
     verdicts = []

@@ -20,6 +20,8 @@ from exoid.torques.contacts import level_rotation
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
 
+pytestmark = pytest.mark.slow
+
 FEET = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
 
 
@@ -117,7 +119,6 @@ def walked():
     return exoid.identify(leg, logs, terms=(), check=False)
 
 
-@pytest.mark.slow
 def test_a_quadruped_is_identified_from_point_feet_without_their_forces(walked):
     truth = quadruped().parameters
     error = np.abs(walked.values - truth)
