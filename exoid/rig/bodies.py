@@ -13,10 +13,7 @@ from exoid.torques.payloads import payload_parameters
 
 from .plant import Plant
 
-WINTER = {
-    "hip": (0.245, ((0.100, 0.433),), 0.323),
-    "knee": (0.246, ((0.0465, 0.433), (0.0145, 1.0)), 0.302),
-}
+WINTER = {"hip": (0.245, ((0.100, 0.433),), 0.323), "knee": (0.246, ((0.0465, 0.433), (0.0145, 1.0)), 0.302)}
 """Winter's anthropometric table for the thigh (hip) and for shank and foot (knee).
 
 Each entry holds the segment length over height, the parts, and the radius of gyration over segment length. A part is

@@ -81,12 +81,7 @@ class Plant:
 
     @classmethod
     def build(
-        cls,
-        leg: Leg,
-        values: Mapping[str, float] | None = None,
-        *,
-        pitch: ArrayLike = 0.0,
-        end_stops: bool = True,
+        cls, leg: Leg, values: Mapping[str, float] | None = None, *, pitch: ArrayLike = 0.0, end_stops: bool = True
     ) -> Plant:
         """Build a plant from parameter values by name, such as those of an estimate.
 

@@ -85,7 +85,7 @@ def simulate(
             true angles and velocities.
         actuator: Actuator of each joint, initially in state zero.
         duration: Duration [s].
-        start: Initial angles [rad], (n, B) or (n, 1); the rigs then start at rest. None for angles and velocities of
+        start: Initial angles [rad], (n, B) or (n, 1), of one rig (n,); the rigs then start at rest. None for angles and velocities of
             the reference.
         sensors: Sensors; None for exact readings.
         rates: Rates of controller and log, and step of the plant.
@@ -200,9 +200,11 @@ def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple
 def _broadcast(values: ArrayLike, plant: Plant, name: str) -> FloatArray:
     """Broadcast values over joints and rigs."""
     try:
-        return np.broadcast_to(np.asarray(values, dtype=np.float64), (plant.n, plant.count))
+        given = np.asarray(values, dtype=np.float64)
+        each = given[:, None] if plant.count == 1 and given.ndim == 1 else given
+        return np.broadcast_to(each, (plant.n, plant.count))
     except (TypeError, ValueError) as error:
         raise BadArgumentError(
             f"{name}: shape {np.shape(values)} for {plant.n} joints of {plant.count} rigs",
-            remedy=f"give ({plant.n}, {plant.count}) or ({plant.n}, 1) numbers",
+            remedy=f"give one row a joint and one column a rig, ({plant.n}, {plant.count})",
         ) from error

@@ -99,10 +99,7 @@ class Block:
 
 
 BLEEX_SOLES: Mapping[str, Sole] = MappingProxyType(
-    {
-        "left_foot": Sole.flat(-0.075, 0.13, -0.115, side=-0.1),
-        "right_foot": Sole.flat(-0.075, 0.13, -0.115, side=0.1),
-    }
+    {"left_foot": Sole.flat(-0.075, 0.13, -0.115, side=-0.1), "right_foot": Sole.flat(-0.075, 0.13, -0.115, side=0.1)}
 )
 """Soles of BLEEX as its URDF draws them, an assumption: the document has no drawing of the foot."""
 
