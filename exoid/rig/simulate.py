@@ -85,8 +85,8 @@ def simulate(
             true angles and velocities.
         actuator: Actuator of each joint, initially in state zero.
         duration: Duration [s].
-        start: Initial angles [rad], (n, B) or (n, 1), of one rig (n,); the rigs then start at rest. None for angles and velocities of
-            the reference.
+        start: Initial angles [rad], (n, B) or (n, 1), of one rig (n,); the rigs then start at rest. None for
+            angles and velocities of the reference.
         sensors: Sensors; None for exact readings.
         rates: Rates of controller and log, and step of the plant.
         seed: Seed or generator of the sensor noise.
