@@ -17,6 +17,7 @@ from exoid.online.settings import Settings
 from exoid.online.solution import belief, estimate_of, started
 from exoid.online.state import State as OnlineState
 from exoid.online.state import begin as begin_online
+from exoid.online.stream import Stream
 from exoid.regression.least_squares import scaled_lstsq
 from exoid.rig import Target
 from exoid.signals import FiniteDifference
@@ -101,8 +102,8 @@ class SelfTuning:
         return sound(torque, state, target), memory
 
     def estimate_of(self, memory: SelfTuningMemory, leg: int = 0) -> Estimate:
-        """Estimate of what the recursive estimator of one leg knows, without the prior."""
-        return estimate_of(self.settings, memory.online[leg])
+        """Estimate of what the recursive estimator of one leg knows, without the prior, with its findings."""
+        return estimate_of(self.settings, memory.online[leg], Stream())
 
     def _sampled(self, memory: SelfTuningMemory, state: State) -> SelfTuningMemory:
         """Complete the previous sample by the torque that was held behind it; a complete block goes on."""
@@ -130,7 +131,8 @@ class SelfTuning:
 
     def _posterior(self, online: OnlineState) -> FloatArray:
         """β* of one leg, within its bounds, (P,)."""
-        factor = np.asarray(np.linalg.qr(np.vstack([belief(self.settings, online), self._prior]), mode="r"))
+        prior = self._known.information.R[-1]  # [L  L β₀] with Lᵀ L = P₀⁻¹
+        factor = np.asarray(np.linalg.qr(np.vstack([belief(self.settings, online), prior]), mode="r"))
         inverse, leg = np.linalg.inv(factor[:-1, :-1]), self.settings.model.leg
         found = inverse @ factor[:-1, -1]
         found[self.settings.model.nonnegative] = np.maximum(found[self.settings.model.nonnegative], 0.0)
@@ -156,11 +158,6 @@ class SelfTuning:
     def _known(self) -> OnlineState:
         """What is known before the first sample, as rows of a recursive estimator."""
         return started(self.settings, begin_online(self.settings), self.source)
-
-    @cached_property
-    def _prior(self) -> FloatArray:
-        """[L  L β₀] with Lᵀ L = P₀⁻¹, (P + 1, P + 1)."""
-        return np.asarray(self._known.information.R[-1])
 
     @cached_property
     def _start(self) -> OnlineState:

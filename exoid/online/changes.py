@@ -119,7 +119,6 @@ def judge(settings: Settings, state: State) -> Verdict:
     lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
     complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
     torn = left > TORN and changed - everything > BENT * changed and independent > 2.0 * len(moving)
-    size, column = math.nan, detection.hypotheses[best].basis[:, 0]
-    if best in faults:
-        size = float(score @ column / (column @ energy @ column))
+    column = detection.hypotheses[best].basis[:, 0]
+    size = float(score @ column / (column @ energy @ column)) if best in faults else math.nan
     return Verdict(best, float(ratios[best]), size, candidates, complete, torn)

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
-from exoid.estimate.finding import Finding, ordered
+from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import terms_of
 
 from .advance import advance
-from .findings import doubts_of, findings_of
+from .findings import findings_of
 from .settings import Settings
 from .solution import estimate_of, started
 from .state import Change, State, begin, restarted
@@ -67,8 +66,16 @@ class RecursiveEstimator:
         torque_limits: ArrayLike | None = None,
         false_alarms: float = 0.1,
     ) -> None:
-        settings = Settings(
-            model=_model(leg, terms, start),
+        # The model of the start where there is one, so that parameters have the same names
+        chosen = terms_of(leg, start.model.terms if terms is None and start is not None else terms)
+        model = TorqueModel(leg, chosen, separate=() if start is None else start.names)
+        if start is not None and model.names != start.names:
+            what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"
+            raise BadArgumentError(
+                what, where=leg.description.name, remedy="pass an estimate of the same leg and terms"
+            )
+        self.settings = settings = Settings(
+            model=model,
             rate=rate,
             cutoff=cutoff,
             memory=memory,
@@ -76,7 +83,6 @@ class RecursiveEstimator:
             torque_limits=() if torque_limits is None else tuple(np.ravel(torque_limits).tolist()),
             false_alarms=false_alarms,
         )
-        self.settings = settings
         state, self._stream, self._pending = begin(settings), Stream(), list[Sample]()
         self._state = state if start is None else started(settings, state, start)
 
@@ -148,9 +154,7 @@ class RecursiveEstimator:
         Raises:
             ExoidError: The samples so far do not determine every parameter: names them.
         """
-        state = self.state
-        found = estimate_of(self.settings, state)
-        return replace(found, findings=ordered([*self.findings, *doubts_of(found, state)]))
+        return estimate_of(self.settings, self.state, self._stream)
 
     @property
     def changes(self) -> tuple[Change, ...]:
@@ -186,14 +190,3 @@ class RecursiveEstimator:
             if not given:
                 samples[:, k * n : (k + 1) * n] = math.nan
         return advance(self.settings, self._state, samples)
-
-
-def _model(leg: Leg, terms: Sequence[Term] | None, start: Estimate | None) -> TorqueModel:
-    """Torque model of the estimator; that of the start where there is one, so that parameters have the same names."""
-    if start is None:
-        return TorqueModel(leg, terms_of(leg, terms))
-    model = TorqueModel(leg, start.model.terms if terms is None else tuple(terms), separate=start.names)
-    if model.names != start.names:
-        what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"
-        raise BadArgumentError(what, where=leg.description.name, remedy="pass an estimate of the same leg and terms")
-    return model

@@ -73,7 +73,7 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
             text = f"the velocity is {product / way:.3g} times the derivative of the angle"
             say("velocity-scale", joint, product / way, text, "pass no velocity (v=None), or mend its unit or sign")
     for (kind, (message, remedy)), number in zip(FAULTS.items(), stream.counts, strict=True):
-        if number:
+        if number > 0:
             share, text = number / max(stream.received, 1), f"{number} of {stream.received} {message}"
             level: Severity = "warning" if share > 1e-3 else "info"
             found.append(Finding(f"stream-{kind}", "", share, "", level, text, remedy))

@@ -12,6 +12,9 @@ from exoid.estimate import Estimate
 from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
+MISFIT = 3.0
+"""Misfit that is worth a remark: 1.12 at most for 72 loads of ``scripts/study_loads.py``, 27 for one 5 cm elsewhere."""
+
 
 class LoadChange(NamedTuple):
     """Load that was added to a segment; prints itself.
@@ -19,16 +22,19 @@ class LoadChange(NamedTuple):
     Attributes:
         joint: Joint that carries the segment.
         mass: Mass [kg]; negative for a load that was taken off.
-        std: Its standard deviation [kg].
+        std: Its standard deviation [kg], wider by the misfit where that is above 1.
+        misfit: Norm of the change that is left, over what the covariances expect: 1 or less for the right place.
     """
 
     joint: str
     mass: float
     std: float
+    misfit: float
 
     def __str__(self) -> str:
         """Write one line."""
-        return f"load at {self.joint}: {self.mass:.3g} ± {self.std:.2g} kg"
+        doubt = f"; misfit {self.misfit:.2g}: check the place of the load" if self.misfit > MISFIT else ""
+        return f"load at {self.joint}: {self.mass:.3g} ± {self.std:.2g} kg{doubt}"
 
 
 def load_change(before: Estimate, after: Estimate, joint: str, position: tuple[float, float, float]) -> LoadChange:
@@ -61,4 +67,6 @@ def load_change(before: Estimate, after: Estimate, joint: str, position: tuple[f
     size = float(np.linalg.norm(w))
     if size == 0.0:
         raise NotIdentifiableError(f"a load at {joint} leaves no trace there", remedy="strap it elsewhere")
-    return LoadChange(joint, float(w @ y) / size**2, 1.0 / size)
+    mass = float(w @ y) / size**2
+    misfit = float(np.linalg.norm(y - mass * w)) / np.sqrt(count - 1.0)
+    return LoadChange(joint, mass, max(1.0, misfit) / size, misfit)

@@ -113,9 +113,8 @@ class Settings:
     @cached_property
     def decimating(self) -> FloatArray:
         """Matrices of value and derivative by the second filter at every row, (2, m, history + k)."""
-        return np.array(
-            [_sliding(weights, range(self.stride - 1, self.block, self.stride)) for weights in self.kernels[1]]
-        )
+        rows = range(self.stride - 1, self.block, self.stride)
+        return np.array([_sliding(weights, rows) for weights in self.kernels[1]])
 
     @cached_property
     def filter_inflation(self) -> float:

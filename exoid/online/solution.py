@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
@@ -10,12 +12,15 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
+from exoid.estimate.finding import ordered
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RANK, ROUNDING, TINY, RFactor, Solution, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
 
+from .findings import doubts_of, findings_of
 from .settings import LAGS, Settings
 from .state import Correlation, Information, State
+from .stream import Stream
 
 FEWEST_ROWS = 100
 """Fewest rows of a joint from which the size of its noise is taken, once there was an earlier value."""
@@ -31,9 +36,7 @@ def solved(settings: Settings, state: State, information: Information) -> State:
     # Few rows may have given a joint a weight so large that the others count as rounding: weights follow all the same
     values = scaled_lstsq(R[:-1, :-1], R[:-1, -1]) if inverse is None else inverse @ R[:-1, -1]
     state = state._replace(weights=np.where(enough, 1.0 / residual_rms(information, values), state.weights))
-    if inverse is None:
-        return state
-    return state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)))
+    return state if inverse is None else state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)))
 
 
 def inverse_of(R: FloatArray) -> FloatArray | None:
@@ -105,8 +108,8 @@ def repeats(correlation: Correlation, rows: FloatArray) -> FloatArray:
     return np.asarray(1.0 + share * np.maximum(rows[: len(share)] / lags[best] - 1.0, 0.0))
 
 
-def estimate_of(settings: Settings, state: State) -> Estimate:
-    """Make the estimate of a state, without findings."""
+def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
+    """Make the estimate of a state, with findings."""
     # The covariance is A⁻¹ (Σ_j w_j⁴ s_j² c_j A_j) A⁻¹ with A = Σ_j w_j² A_j: the noise of joint j has the size s_j,
     # and c_j of its rows say as much as one independent row.
     model, (R, rows) = settings.model, state.information
@@ -141,7 +144,7 @@ def estimate_of(settings: Settings, state: State) -> Estimate:
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse
-    return Estimate(
+    found = Estimate(
         model=model,
         values=solution.values,
         covariance=0.5 * (covariance + covariance.T),
@@ -156,6 +159,7 @@ def estimate_of(settings: Settings, state: State) -> Estimate:
             cutoff_source=None if settings.cutoff is None else "passed to the recursive estimator",
         ),
     )
+    return replace(found, findings=ordered([*findings_of(settings, state, stream), *doubts_of(found, state)]))
 
 
 def started(settings: Settings, state: State, start: Estimate) -> State:

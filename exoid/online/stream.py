@@ -24,10 +24,8 @@ REFUSED = 1.0
 FAULTS = {
     "not-finite": ("samples with NaN or infinite numbers were left out", "look at the connection of the sensor"),
     "angle-jump": ("samples whose angle jumped were left out", "look at the encoder, and for angles in degrees"),
-    "time-jump": (
-        "samples whose time stamp jumped were left out",
-        "look at the clock, and for stamps that are not in s",
-    ),
+    "time-jump": ("samples whose time stamp jumped were left out", "look at the clock, and for stamps not in s"),
+    "late-sample": ("samples older than the one before were left out", "send them in order, and look at the clock"),
     "repeated-sample": ("samples that came twice were left out", "send each sample once"),
     "missing-samples": ("samples are missing", "send all samples, at an even rate"),
     "saturated-torque": ("torques at their limit were left out", "move more gently, or take a larger drive"),
@@ -118,7 +116,7 @@ def _clocked(settings: Settings, stream: Stream, sample: Sample, time: float) ->
         follow = max(0.05, 1.0 / stream.received)  # a clock that averages stamps has less jitter than each
         time = stream.time + (1.0 + late + follow * (steps - 1.0 - late)) / settings.rate
     elif not follows:  # a pause, or a clock that was set, is believed once two stamps agree
-        return stream, time, "time-jump"
+        return stream, time, "time-jump" if steps > 0.0 else "late-sample"
     if late > stream.missing:
         stream = stream.with_fault("missing-samples", late - stream.missing)._replace(missing=late)
     return stream, time, ""
@@ -171,4 +169,6 @@ def _refused(settings: Settings, stream: Stream, kind: str) -> Stream:
     if refused > 2.0 * REFUSED * settings.rate:
         message, remedy = FAULTS[kind]
         raise UnreadableInputError(f"no plausible sample for {2.0 * REFUSED:.3g} s ({message})", remedy=remedy)
-    return stream.with_fault(kind)._replace(missing=stream.missing + 1, implausible=refused)
+    late = kind == "late-sample"  # it counted as missing when a later one came, and takes no time of its own
+    stream = stream.with_fault(kind).with_fault("missing-samples", -late)
+    return stream._replace(missing=stream.missing + (not late), implausible=refused)

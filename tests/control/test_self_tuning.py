@@ -71,6 +71,7 @@ def test_wild_torques_leave_the_parameters_within_their_bounds(monkeypatch):
     aimed, moved = (np.abs(x - law.source.values) / law._known.std for x in (seen[-1].aim, seen[-1].values))
     assert aimed.max() == pytest.approx(0.5)
     assert moved.max() <= 0.5 + 1e-9
+    assert law.estimate_of(seen[-1]).findings
     assert np.linalg.eigvalsh(LEG.with_parameters(seen[-1].values[:6]).mass_matrix(np.eye(2))).min() > 0.0
 
 

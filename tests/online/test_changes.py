@@ -171,6 +171,9 @@ def test_a_load_is_found_where_noise_hides_no_error_of_sampling(seed, machine):
     feed(online, walker.walk(5.0, 2.8, 20.0))
     found = load_change(known, online.estimate, "knee", PLACE)
     assert abs(found.mass - 2.8) < 4.0 * found.std < 0.01
+    beside = load_change(known, online.estimate, "knee", (0.0, 0.0, -0.15))
+    assert ["check the place" in str(one) for one in (found, beside)] == [False, True]
+    assert beside.std > 3.0 * found.std
     assert STUDY["named"](online) == ("load at knee",)
     assert {one.kind for one in online.findings} == {"changed-load"}
 

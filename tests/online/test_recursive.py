@@ -182,7 +182,8 @@ MISTAKES = {
     "stamps with jitter of half a period": (),
     "a stamp that is far ahead": ("stream-time-jump",),
     "a stamp that is infinite": ("stream-not-finite",),
-    "stamps of a clock that was set back": ("stream-time-jump", "stream-missing-samples"),
+    "stamps of a clock that was set back": ("stream-late-sample", "stream-missing-samples"),
+    "stamps of samples that overtook others": ("stream-late-sample",),
     "stamps of a pause": ("stream-time-jump", "stream-missing-samples"),
 }
 
@@ -206,6 +207,9 @@ def test_mistakes_of_a_stream_are_named(leg, truth, mistake):
         time += np.random.default_rng(0).uniform(-0.49, 0.49, len(q)) / RATE
     elif mistake.startswith("a stamp"):
         time[5000] += 100.0 if "far" in mistake else np.inf
+    elif mistake.endswith("others"):
+        order = np.arange(len(q)) + np.tile([1, -1] + 998 * [0], len(q) // 1000)
+        q, tau, time = q[order], tau[order], time[order]
     elif mistake.startswith("stamps"):
         time[5000:] += 3.0 if "pause" in mistake else -5.0
     online = RecursiveEstimator(leg, TERMS, rate=RATE)
