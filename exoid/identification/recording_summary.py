@@ -128,13 +128,11 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     first = values[driven.argmax(axis=0), np.arange(len(values[0]))]
     same = np.array([torques.constant for torques in every]) & (values == first)
     constant = (same | ~driven).all(axis=0) & driven.any(axis=0)
-    dead = {
-        joint: value for joint, value, is_dead in zip(model.leg.joint_names, first, constant, strict=True) if is_dead
-    }
+    names = model.leg.joint_names
+    dead = {joint: value for joint, value, is_dead in zip(names, first, constant, strict=True) if is_dead}
     if dead:
-        found = "; ".join(
-            f"the torque of joint {joint} is {value + 0.0:.6g} N·m in every sample" for joint, value in dead.items()
-        )
+        text = "the torque of joint {} is {:.6g} N·m in every sample"
+        found = "; ".join(text.format(joint, value + 0.0) for joint, value in dead.items())
         columns = ", ".join(f"tau_{joint}" for joint in dead)
         raise NotIdentifiableError(
             f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
@@ -145,7 +143,7 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
             f"{','.join(dead)} for a joint without an actuator, --unmeasured {','.join(dead)} for one without a sensor",
             joints=tuple(dead),
         )
-    for index, joint in enumerate(model.leg.joint_names):
+    for index, joint in enumerate(names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
             if MOST < share < 1.0 and not torques.passive[index]:

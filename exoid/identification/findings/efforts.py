@@ -71,7 +71,7 @@ def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
         R = every[j]
         weight = R[:, count : count + rigid] @ urdf
         parts.append(np.column_stack([weight, R[:, :rigid] @ urdf - weight, R[:, rigid:count], R[:, j - n]]))
-    chosen = evidence._replace(factors=parts, counts=evidence.counts[measured])
+    chosen = evidence._replace(factors=parts, counts=evidence.counts[measured], fixed=np.zeros(0))
     weights = chosen.weights(np.arange(parts[0].shape[1] - 1))
     rows = np.vstack([w * part for w, part in zip(weights, parts, strict=True)])
     gravity, inertia = scaled_lstsq(rows[:, :-1], rows[:, -1])[:2].tolist()

@@ -24,7 +24,7 @@ class Evidence(NamedTuple):
     # of each joint and recording: columns of parameters and nuisances, torque less that of known parameters,
     # (P + K + 1, N)
     tables: list[list[FloatArray]]
-    factors: list[FloatArray]  # R factor of the rows of each joint, (M, P + K + 1) with M columns that act
+    factors: list[FloatArray]  # R factors of rows [W Z τ] of each joint, known torque included, (M, P + K + 1) each
     counts: FloatArray  # usable rows of each joint, at least 1, (n,)
     ranges: MotionRanges | None = None  # ranges of all motions
     sources: Sequence[str] = ()  # file of each; "" for one in memory
@@ -33,27 +33,33 @@ class Evidence(NamedTuple):
     def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray, *, beside: int) -> Evidence:
         """Form the tables and R factors of rows, whose last columns may stand beside them."""
         known = np.where(np.isfinite(fixed), fixed, 0.0)
-        tables = []
-        for joint in range(parts[0].tau.shape[1]):
-            of_joint = []
-            for part in parts:
-                W = part.W[:, joint, : part.W.shape[2] - beside].T
-                torque = part.tau[:, joint] - known @ W[: len(fixed)]
-                of_joint.append(np.asarray(np.vstack([W, torque]) * part.usable[:, joint]))
-            tables.append(of_joint)
+
+        def table(part: Rows, joint: int) -> FloatArray:
+            W = part.W[:, joint, : part.W.shape[2] - beside].T
+            return np.asarray(np.vstack([W, part.tau[:, joint] - known @ W[: len(fixed)]]) * part.usable[:, joint])
+
+        tables = [[table(part, joint) for part in parts] for joint in range(parts[0].tau.shape[1])]
         counts = np.maximum(np.sum([part.usable.sum(axis=0) for part in parts], axis=0), 1).astype(np.float64)
         return cls(parts, at_rest, fixed, np.flatnonzero(~np.isfinite(fixed)), tables, [], counts).of_tables(tables)
 
     def of_tables(self, tables: list[list[FloatArray]]) -> Evidence:
         """Replace the tables, and with them the R factors."""
-        return self._replace(tables=tables, factors=[r_factor(np.hstack(of_joint).T) for of_joint in tables])
+        factors = [r_factor(np.hstack(of_joint).T) for of_joint in tables]
+        for R in factors:  # checks compare sizes with the whole torque, however much of it is known
+            R[:, -1] += R[:, : len(self.fixed)] @ np.nan_to_num(self.fixed)
+        return self._replace(tables=tables, factors=factors)
+
+    def reduced(self, R: FloatArray, columns: NDArray[np.intp]) -> FloatArray:
+        """Some columns of an R factor, and its torque less that of the known parameters."""
+        known = R[:, : len(self.fixed)] @ np.nan_to_num(self.fixed)
+        return np.column_stack([R[:, columns], R[:, -1] - known])
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""
         torque = np.array([np.linalg.norm(R[:, -1]) for R in self.factors]) / np.sqrt(self.counts)
         floor = 1e-9 * max(float(torque.max(initial=0.0)), 1e-12)  # smaller residuals are rounding
         weights = 1.0 / np.maximum(torque, floor) if start is None else start
-        fitted = [r_factor(R[:, np.append(columns, -1)]) for R in self.factors]
+        fitted = [r_factor(self.reduced(R, columns)) for R in self.factors]
         for _ in range(4 if start is None else 2):  # weights and residuals in turn; fewer from those of a similar fit
             R = np.vstack([w * R for w, R in zip(weights, fitted, strict=True)])
             solution = scaled_lstsq(R[:, :-1], R[:, -1])

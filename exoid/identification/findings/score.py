@@ -96,6 +96,7 @@ class State:
         if like is None:
             weights = evidence.weights(columns, None if near is None else near.weights)
             R = r_factor(np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)]))
+            R = evidence.reduced(R, used)
             used = used if tested is None else np.union1d(columns, count + np.array(tested, dtype=np.intp))
         else:
             weights, R = like.weights, like.R
@@ -184,10 +185,8 @@ class State:
         """Leave out faults of one number that explain little and are likely in noise alone: all are tested at once."""
         tests, single = self._tests, [one for one in nuisances if len(one.columns) == 1]
         columns, rss = [one.columns[0] for one in single], float(self.residual @ self.residual)
-        score, information, noise = (
-            tests.score[columns],
-            *(np.diag(M)[columns] for M in (tests.information, tests.noise)),
-        )
+        score = tests.score[columns]
+        information, noise = (np.diag(M)[columns] for M in (tests.information, tests.noise))
         p_values = scipy.special.fdtrc(1, self.dof, score**2 / np.maximum(noise, TINY))
         odd = (p_values < WORTH_A_LOOK) | (score**2 > LARGE_GAIN * rss * np.maximum(information, TINY))
         left_out = {one for one, is_odd in zip(single, odd, strict=True) if not is_odd}

@@ -62,9 +62,7 @@ class Candidate:
     def to_json(self) -> dict[str, Any]:
         """Turn the figures into what JSON can hold."""
         arrays = {"nrmse": self.nrmse, "folds": self.folds, "fast": self.extrapolation}
-        figures = {
-            name: [value if np.isfinite(value) else None for value in array.tolist()] for name, array in arrays.items()
-        }
+        figures = {name: [x if np.isfinite(x) else None for x in array.tolist()] for name, array in arrays.items()}
         return {"name": self.name, "numbers": self.numbers, **figures, "failure": self.failure}
 
 
@@ -127,14 +125,13 @@ def _ends(search: Search, progress: Callable[[float], None]) -> list[tuple[Candi
 
 def _scored(search: Search, name: str, choice: Choice) -> Candidate:
     """Candidate with these friction models, and its errors on rows that are held out."""
-    friction: list[Term] = []
-    zero: list[str] = []
-    leg = search.leg
+    leg, friction, known = search.leg, list[Term](), dict[str, float]()
     for columns, joint, label in zip(choice.columns, leg.joint_names, leg.joint_labels, strict=True):
         friction += terms_of((*columns, *absent(columns)), joint)
-        zero += [*zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))]
+        zero = *zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))
+        known |= dict.fromkeys(zero, 0.0)
     terms, delay = (*friction, Armature(), *search.beside), "auto" if search.late else None
-    known = {**dict.fromkeys(zero, 0.0), **search.known}
+    known |= search.known
     try:  # joints are loaded by the rigid bodies of the choice
         design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])
         found = held_out_errors(design, search.recordings, search.folds)

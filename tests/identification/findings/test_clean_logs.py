@@ -16,10 +16,11 @@ def test_a_log_without_faults_has_no_findings(name, seed):
     assert exoid.check(*clean(name, seed)) == ()
 
 
-def test_nor_has_one_of_a_leg_with_a_known_parameter():
-    leg, log = clean()
-    known = {"J3": float(leg.parameters[leg.parameter_names.index("J3")])}
-    assert exoid.identify(leg, log, known=known).findings == ()
+@pytest.mark.parametrize("known", [("J3",), ("X1", "X2", "X3", "J1", "J2", "J3")])
+def test_nor_has_one_of_a_leg_with_known_parameters(known):
+    data = bleex_swing()
+    right = exoid.identify(data.leg, data.train)
+    assert exoid.identify(data.leg, data.train, known={name: right[name].value for name in known}).findings == ()
 
 
 def test_nor_has_the_example_of_a_leg_that_sticks():
