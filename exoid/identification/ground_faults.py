@@ -141,8 +141,9 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
     every = range(len(fitted.problem.groups))
     others = [changed(fitted.problem, every, partial(_without, footing, *one, SIZES[one[0]][0])) for one in faults]
     steps, stds = np.array([SIZES[kind][:2] for kind, _ in faults]).T
+    scales = [k for k, (kind, _) in enumerate(faults) if kind == "torque-scale"]
     if footing is None:
-        return Effects(others, steps, stds, 0.0 * stds)
+        return Effects(others, steps, stds, 0.0 * stds, None, scales)
     about = footing_effects(fitted, footing)
     first, numbers = len(about.prior_std), about.numbers
 
@@ -152,7 +153,7 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
 
     sizes = zip((about.steps, about.prior_std, about.prior_mean), (steps, stds, 0.0 * stds), strict=True)
     steps, stds, means = (np.append(*pair) for pair in sizes)
-    return Effects([*about.others, *others], steps, stds, means, of_rows)
+    return Effects([*about.others, *others], steps, stds, means, of_rows, [len(about.others) + k for k in scales])
 
 
 def _without(

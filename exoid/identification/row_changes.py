@@ -59,6 +59,7 @@ class Effects(NamedTuple):
     prior_mean: FloatArray  # (K,)
     # where a problem changes several numbers: on which of them each row depends, (N, C), or −1
     numbers: Callable[[Recording, FloatArray], NDArray[np.intp]] | None = None
+    scales: Sequence[int] = ()  # problems in which the measured torque of a joint is scaled
 
     @classmethod
     def alike(cls, others: Sequence[Problem], step: float, prior_std: float) -> Effects:
@@ -167,8 +168,12 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
         for index, one in enumerate(group.motions):
             rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in effects.others)))
             first = residual(rows, values)
-            changes = [first - residual(each, values) for each in changed]
-            both = [np.where(rows.usable[..., None], rows.W, 0.0), np.stack(changes, axis=-1) / effects.steps]
+            changes = np.stack([first - residual(each, values) for each in changed], axis=-1) / effects.steps
+            # What is scaled is the fitted torque, less its share of r: noise that shrinks would look like a fault
+            power = np.sum(changes[..., effects.scales] ** 2, axis=0)
+            share = power / np.maximum(power.sum(axis=1, keepdims=True), TINY)
+            changes[..., effects.scales] += first[..., None] * share
+            both = [np.where(rows.usable[..., None], rows.W, 0.0), changes]
             columns = np.concatenate(both, axis=-1) * weights[:, None]
             alike = np.tile(np.arange(more), (len(first), 1))
             depends = alike if effects.numbers is None else effects.numbers(one, rows.time)
