@@ -57,21 +57,21 @@ class Channel:
 def channel_findings(recording: Recording) -> Iterator[Finding]:
     """Check every torque and angle of a recording; where torque was computed of a drive, what the drive measured."""
     nouns = {"current": "current", "force": "force", "motor_torque": "motor torque", "motor_angle": "motor angle"}
-    driven = recording.driven
-    angles, torques = (None if x is None else np.ascontiguousarray(x.T) for x in (recording.q, recording.tau))
-    assert angles is not None
+    # beside the mask, angles count for derivatives, and torques may be anything
+    inside = slice(None) if recording.mask is None else np.flatnonzero(recording.mask)
+    time, others, driven = recording.time[inside], recording.q[inside], recording.driven
     rate = float((len(recording.time) - 1) / (recording.time[-1] - recording.time[0]))
     for k, joint in enumerate(recording.joint_names):
-        angle = Channel(recording.time, rate, angles[k], recording.q, joint, "angle", "rad")
+        angle = Channel(recording.time, rate, recording.q[:, k].copy(), recording.q, joint, "angle", "rad")
         yield from frozen_angle(angle)
-        if torques is None or not driven[k]:
+        if recording.tau is None or not driven[k] or len(time) < 2:
             continue
-        torque = replace(angle, x=torques[k], noun="torque", unit="N·m")
+        torque = Channel(time, rate, recording.tau[inside, k].copy(), others, joint, "torque", "N·m")
         if joint in recording.computed:
             read = ((name, getattr(recording, name)) for name in nouns)
-            measured = ((name, x[:, k]) for name, x in read if x is not None and not np.isnan(x[:, k]).any())
+            measured = ((name, x[inside, k]) for name, x in read if x is not None and not np.isnan(x[inside, k]).any())
             for name, x in list(measured)[:1]:
-                torque = replace(angle, x=x, noun=nouns[name], unit=UNITS[name])
+                torque = replace(torque, x=x, noun=nouns[name], unit=UNITS[name])
         for check in (saturation, frozen_torque, repeated_values, outliers):
             yield from check(torque)
 

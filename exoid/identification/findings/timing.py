@@ -39,8 +39,9 @@ def angle_jumps(recording: Recording) -> Iterator[Finding]:
     low, high = reduce(np.minimum, beside), reduce(np.maximum, beside)
     beyond = steps - np.clip(steps, low, high)
     size, usual = np.abs(beyond), high - low
-    if (size > 4.0 * usual).any():  # quanta take longer to find
-        usual += np.array([[quantum(x)] for x in recording.q.T])
+    if (size > 4.0 * usual).any():  # quanta take longer to find; between samples that were rounded, roughness has them
+        rough = np.sqrt(12.0) * white_noise(recording.q)
+        usual += np.maximum([quantum(x) for x in recording.q.T], rough)[:, None]
     if not (size > 4.0 * usual).any():
         return
     ratio = size / (usual + np.quantile(size, 0.98, axis=1, keepdims=True))

@@ -7,7 +7,7 @@ import pytest
 from logs import clean, kinds, with_column
 
 import exoid
-from exoid.identification.findings.timing import missing_samples
+from exoid.identification.findings.timing import angle_jumps, missing_samples
 
 
 @pytest.mark.parametrize("part", [0.9, 0.6])
@@ -42,6 +42,12 @@ def test_lost_messages_are_no_spikes_and_a_few_are_not_named(every, named):
     lost = np.arange(len(log)) % every == every // 2  # more than four
     far = with_column(log, "tau", 1, lambda x: np.where(lost, 0.0, x + 3.0 * x.std()))
     assert kinds(exoid.check(leg, far)) & {"dropout", "spikes"} == named
+
+
+def test_torques_that_do_not_count_may_be_anything():
+    leg, log = clean()
+    counts = (np.arange(len(log)) < 1000) | (np.arange(len(log)) > 1500)
+    assert exoid.check(leg, dataclasses.replace(log, mask=counts, tau=np.where(counts[:, None], log.tau, 0.0))) == ()
 
 
 def test_a_joint_that_comes_to_rest_is_not_stuck():
@@ -100,6 +106,10 @@ def test_an_angle_that_jumps_and_stays_is_named_and_spikes_stops_and_lost_sample
     kept = np.setdiff1d(np.arange(len(log)), np.arange(1234, 1240))
     lost = dataclasses.replace(log.slice(0, len(kept)), q=log.q[kept], tau=log.tau[kept])
     assert "angle-jump" not in kinds(exoid.check(leg, lost))
+    t = np.arange(4000) / 333.0
+    q = 2e-4 * np.rint(np.sin(np.outer(2.0 * t + 1.0, [1.0, 1.3])) / 4e-4)
+    rounded = exoid.Recording(np.round(t, 3), q, tau=q, joint_names=("hip", "knee"))
+    assert not [*angle_jumps(rounded.resampled())]  # a count, between samples
 
 
 @pytest.mark.parametrize("lost", [(300,), (300, 700)])
