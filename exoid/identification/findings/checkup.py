@@ -63,13 +63,9 @@ def check_fit(fitted: FittedLeg) -> Checkup:
 
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
     """Check the channels and times of recordings; no fit is needed."""
-    recordings, names, closure = [], [], model.leg.closure
-    for one in data:
-        if isinstance(one, Poses):
-            continue
+    recordings, closure = [one for one in data if isinstance(one, Recording)], model.leg.closure
+    for one in recordings:
         chosen = for_leg(model, one)
-        recordings.append(chosen)
-        names.append(one.file_name)
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
             checks = channel_findings, wraps, angle_jumps, missing_samples, stamp_jitter, late_velocities
@@ -83,9 +79,9 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
             doubtful = dict.fromkeys(name for of_joint in acting for name in of_joint)
             if joint and not kind.startswith("velocity") and "angle" not in finding.message:  # both couple the joints
                 doubtful = dict.fromkeys(acting[chosen.joint_names.index(joint)])
-            yield replace(finding, parameters=tuple(doubtful), recording=names[-1] if len(data) > 1 else "")
+            yield replace(finding, parameters=tuple(doubtful), recording=one.file_name if len(data) > 1 else "")
     if len(recordings) > 1:
-        yield from repeated_data(recordings, names, model.names)
+        yield from repeated_data([for_leg(model, one) for one in recordings], model.names)
 
 
 def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
@@ -105,7 +101,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         if not found:
             found, explained, left = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
-        if not found:
+        zeros = {"angle-offset", "gravity-direction"}
+        if not any(one.kind in zeros or one.severity == "error" for one in found):
             found += turned_segment(checked)
     if not explained and not any(finding.severity == "error" for finding in found):
         fitted = checked.fitted

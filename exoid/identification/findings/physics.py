@@ -182,38 +182,36 @@ def _segments(leg: Leg, values: FloatArray) -> FloatArray:
 
 def turned_segment(checked: CheckedFit) -> Iterator[Finding]:
     """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs."""
-    # A wrong zero of the last angle turns (X, Y) of the last segment and changes nothing else: a log alone does
-    # not show it. A tilt of the base turns all segments alike, and a small one changes little else.
+    # A wrong zero turns (X, Y) of all segments behind its joint alike, and a tilt of the base those of all. Only
+    # coupling to others shows more of it, and of the last joint nothing does.
     leg = checked.fitted.model.leg
     for limb in leg.limbs:
         drawn, found = (_segments(leg, x)[limb.joints, :2] for x in (leg.parameters, checked.fitted.values))
-        size = np.hypot(*found.T)
+        size, names = np.hypot(*found.T), (leg.joint_names[limb.joints], leg.link_names[limb.joints])
         if (np.hypot(*drawn.T) == 0.0).any() or (size == 0.0).any():
             continue
         cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
-        turns = limb.chain.signs * np.arctan2(cross, dot)
+        turns = np.arctan2(cross, dot)  # about one axis
         errors = _segments(leg, checked.std)[limb.joints, :2].max(axis=1) / size
-        angle, error = float(turns[-1]), float(errors[-1])
+        weights, candidates = np.maximum(errors, 1e-3) ** -2.0, []
+        for first in range(len(turns)):
+            angle, error = float(np.average(turns[first:], weights=weights[first:])), float(errors[first:].min())
+            apart = np.abs(turns - np.where(np.arange(len(turns)) < first, 0.0, angle))
+            if (apart <= 0.25 * abs(angle) + 2.0 * np.hypot(errors, error))[first:].all():
+                candidates.append((float(weights @ apart**2), first, angle, error))
+        _, first, angle, error = min(candidates)  # the joint behind which all are turned alike, and none before it
         if abs(angle) <= max(0.03, 4.0 * error):  # 1.7°: URDFs of CAD are no better
             continue
-        absolute = limb.chain.signs * turns  # about one axis
-        alike = np.abs(absolute - absolute[-1]) < 0.25 * abs(angle) + 2.0 * np.hypot(errors, error)
-        if len(turns) > 1 and alike.all():
-            kind, joint, value = "gravity-direction", "", -float(turns[0])
-            message = (
-                f"the centres of mass of all segments lie in directions {abs(np.degrees(angle)):.3g}° from the URDF's: "
-                "the base is tilted by that, or the zero of the first angle is wrong, or the URDF; the log alone "
-                "cannot tell"
-            )
-            remedy = "level the base, and check the zero of the first encoder against a pose that was measured"
-        else:
-            kind, joint, value = "angle-offset", leg.joint_names[limb.joints][-1], angle
-            message = (
-                f"the centre of mass of {leg.link_names[limb.joints][-1]} lies in a direction "
-                f"{abs(np.degrees(angle)):.3g}° from the URDF's: the zero of its joint is off by that, or the URDF is "
-                "wrong; the log alone cannot tell"
-            )
-            remedy = "check the zero of the encoder against a pose that was measured"
+        joint, behind = names[0][first], " and ".join(names[1][first:])
+        kind, value = "angle-offset", float(limb.chain.signs[first]) * angle
+        reason, remedy = f"the zero of {joint} is off by that", "check the zero of the encoder at a measured pose"
+        if first == 0 and len(turns) > 1:
+            kind, joint, value, remedy = "gravity-direction", "", -value, f"level the base, and {remedy}"
+            reason = "the base is tilted by that, or the zero of the first angle is wrong"
+        message = (
+            f"mass moments of {behind} lie {abs(np.degrees(angle)):.3g}° from their directions in the URDF: {reason}, "
+            "or the URDF is wrong; the log alone cannot tell"
+        )
         interval = (value - 2.0 * error, value + 2.0 * error)
         yield Finding(kind, joint, value, "rad", "info", message, remedy, interval)
 

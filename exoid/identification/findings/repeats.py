@@ -89,12 +89,10 @@ def _finding(share: float, message: str, source: str = "", parameters: Sequence[
     return Finding("repeated-data", "", share, "1", "warning", message, remedy, None, tuple(parameters), source)
 
 
-def repeated_data(
-    recordings: Sequence[Recording], names: Sequence[str], parameters: Sequence[str]
-) -> Iterator[Finding]:
+def repeated_data(recordings: Sequence[Recording], parameters: Sequence[str]) -> Iterator[Finding]:
     """Report recordings that contain the same samples, where these count twice."""
     for first, second, share, _ in overlaps(recordings):
-        both = f"{names[first] or first + 1} and {names[second] or second + 1}"
+        both = " and ".join(recordings[k].file_name or str(k + 1) for k in (first, second))
         message = f"{both} share {share:.0%} of their samples, which count twice: intervals are too narrow"
         yield _finding(share, message, parameters=parameters)
 

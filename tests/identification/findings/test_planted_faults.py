@@ -53,6 +53,11 @@ def without_four_samples(log):
     return dataclasses.replace(log, time=log.time[: len(keep)], q=log.q[keep], tau=log.tau[keep])
 
 
+def noisy(log, part):
+    noise = np.random.default_rng(0).standard_normal(log.tau.shape)
+    return dataclasses.replace(log, tau=log.tau + part * log.tau.std(axis=0) * noise)
+
+
 def jittered(log):
     late = 0.002 * np.random.default_rng(0).standard_normal(len(log))
     return dataclasses.replace(log, time=np.maximum.accumulate(log.time + late) + 1e-6 * np.arange(len(log)))
@@ -134,7 +139,13 @@ FAULTS = {
         f"zero {d}° off": Fault(column("q", 1, turned(d)), "angle-offset", 1, about(d / 57.3, d / 164.0))
         for d in (5, 15)
     },
-    "zero of the last joint": Fault(column("q", 1, lambda x: x + 0.3), "angle-offset", 1, about(0.3, 0.03), "", "cuhk"),
+    "zero of the last joint": Fault(  # beside another fault
+        lambda log: late(column("q", 1, lambda x: x + 0.3)(log), 0.02, [0, 1]),
+        *("angle-offset", 1, about(0.3, 0.03), "", "cuhk"),
+    ),
+    "zero that noise hides": Fault(
+        lambda log: noisy(column("q", 1, turned(5))(log), 0.1), "angle-offset", 1, about(0.09, 0.005), "the log alone"
+    ),
     **{
         f"base tilted by {d}°": Fault(column("q", 0, turned(-d)), "gravity-direction", None, about(d / 57.3, d / 164.0))
         for d in (5, 15)
