@@ -56,8 +56,6 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
     else:
         law = _limited(_law(estimate, name, options), estimate, options)
     precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
-    if np.isinf(getattr(law, "limit", 0.0)).any():
-        warnings = (*warnings, "no limit of the torque: the URDF has none at some joint; give --limit")
     if target.ros2 is not None:
         return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
     drives, without = with_form_in_c(None if name == OBSERVER else estimate.actuators)

@@ -48,10 +48,13 @@ def law_source(
     """Turn a law, whose expressions are written in this precision, into C99."""
     prefix, n = identifier(name), len(law.joints)
     if safety.safe == "gravity" and law.leg is None:
-        raise BadArgumentError(
-            "a law without a model knows no gravity for its safe torque", remedy='use "damping" or "zero"'
-        )
+        what = "a law without a model knows no gravity for its safe torque"
+        raise BadArgumentError(what, remedy='use "damping" or "zero"')
     damping = safety.gains(law.damping)
+    free = [joint for joint, most in zip(law.joints, for_joints(law.limit, n, "limit"), strict=True) if np.isinf(most)]
+    unlimited = f"no limit of the torque at {', '.join(free)}" if free and law.gives == LawInC.gives else ""
+    if unlimited:
+        warnings = (*warnings, f"{unlimited}: write Limited(law, limit) from Python, or give --limit")
     values = {
         "p": prefix,
         "law": law,
@@ -66,6 +69,7 @@ def law_source(
         "uses_measured": bool(damping.any()),
         "uses_state": "state->" in law.step,
         "safety": safety.describe(law.damping),
+        "unlimited": unlimited,
         "commands": [] if actuators is None else commands_in_c(actuators, dialect),
         "units": () if actuators is None else actuators.units,
     }

@@ -35,10 +35,8 @@ def leg_source(
     prefix, leg = identifier(name), model.leg
     numbers = checked(() if values is None else values, "the values of a leg")
     if numbers.shape != (len(model.names),):
-        raise BadArgumentError(
-            f"{numbers.size} values of {len(model.names)} parameters",
-            remedy=f"give one for each of {', '.join(model.names)}",
-        )
+        what = f"{numbers.size} values of {len(model.names)} parameters"
+        raise BadArgumentError(what, remedy=f"give one for each of {', '.join(model.names)}")
     terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
     text = fill(
         "leg.c.jinja",

@@ -20,7 +20,7 @@ SafeTorque = Literal["zero", "damping", "gravity"]
 class Safety:
     """Watchdog and safe torque.
 
-    The safe torque replaces the law's while an input is stale, not finite or absurd, or the law's torque is not finite.
+    The safe torque replaces the law's while an input is stale, not finite or absurd, or so is the law's torque.
 
     * "damping" (default): τ = −D v. It only takes energy out of the leg, which sinks slowly. It uses the measured
       velocity only if that is new and finite; otherwise the torque is zero.

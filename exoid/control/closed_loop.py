@@ -12,15 +12,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.limits import refuse_motion_beyond_limits
-from exoid.rig import (
-    IdealTorque,
-    Plant,
-    Rates,
-    Reference,
-    Sensors,
-    Target,
-    Wearer,
-)
+from exoid.rig import IdealTorque, Plant, Rates, Reference, Sensors, Target, Wearer
 from exoid.rig import simulate as simulate_rig
 from exoid.tools.numbers import checked
 

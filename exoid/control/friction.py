@@ -84,6 +84,7 @@ class FrictionCompensation:
             Statements that fill ``friction``, and the words of the equation.
         """
         velocity = "in->v_d" if self.velocity == "desired" else measured
+        share = "" if self.scale == 1.0 else f"{self.scale:g} "
         statements = f"    {{{{p}}}}_friction({velocity}, friction);"
         if not self.drives:
             statements += (
@@ -92,8 +93,7 @@ class FrictionCompensation:
                 "{{number(0)}} ? friction[j] : {{number(0)}};\n"
                 "    }"
             )
-            return statements, f" + {self.scale:g} F(v), never driving"
-        share = "" if self.scale == 1.0 else f"{self.scale:g} "
+            return statements, f" + {share}F(v), never driving"
         return statements, f" + {share}F({velocity.split('->')[1]})"
 
 

@@ -150,9 +150,11 @@ def stateful(law: AnyLaw) -> StatefulLaw:
     if isinstance(law, StatefulLaw):
         return law
     if not callable(getattr(law, "torque", None)):
-        raise BadArgumentError(
-            f"{type(law).__name__} is no controller", remedy="give an object with rate and torque, or begin and step"
+        what, remedy = (
+            f"{type(law).__name__} is no controller",
+            "give an object with rate and torque, or begin and step",
         )
+        raise BadArgumentError(what, remedy=remedy)
     return Memoryless(law)
 
 
@@ -173,15 +175,23 @@ def refuse_rate(rate: float) -> None:
 
 def sound(torque: FloatArray, state: State, target: Target | None = None) -> FloatArray:
     """Return the torque; refuse other shapes, which numpy would spread, and values that are not finite."""
-    alike = torque.shape == state.q.shape == state.v.shape
+    alike = torque.shape == state.q.shape == state.v.shape == (torque if state.last is None else state.last).shape
     for x in () if target is None else target:
         alike &= x is None or (x.ndim == torque.ndim and len(x) == len(torque))
     if not alike or not math.isfinite(np.vdot(torque, state.v)):  # one product for both: a step has no time for two
-        raise BadArgumentError(
-            f"{state} and {target} give the torque {torque}",
-            remedy="give arrays of finite numbers, one for each joint; without readings stop the leg",
-        )
+        raise unsound(state, target, torque)
     return torque
+
+
+def unsound(state: State, target: Target | None, torque: FloatArray | None = None) -> BadArgumentError:
+    """Name the first number of a sample that is not finite, or say what its channels are."""
+    aims = {} if target is None else {f"target.{name}": x for name, x in target._asdict().items()}
+    channels = {**state._asdict(), **aims, "torque": torque}
+    known = [(name, x) for name, x in channels.items() if x is not None]
+    wrong = [f"{name}{place} is not finite" for name, x in known for place in np.argwhere(~np.isfinite(x)).tolist()]
+    kinds = [f"{name} {getattr(x, 'shape', type(x).__name__)}" for name, x in known] + ["no target"] * (target is None)
+    remedy = "give arrays of finite numbers, one for each joint; without readings stop the leg"
+    return BadArgumentError(wrong[0] if wrong else f"a sample of {', '.join(kinds)}", remedy=remedy)
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:
@@ -189,9 +199,8 @@ def spread(values: FloatArray, like: FloatArray) -> FloatArray:
     if values.shape == like.shape:  # first: a step from Python is mostly such small calls
         return values
     if values.ndim > like.ndim or (values.ndim > 0 and values.shape[0] != like.shape[0]):
-        raise BadArgumentError(
-            f"gains or limits of shape {values.shape} for {like.shape[0]} joints", remedy="give one for each joint"
-        )
+        what = f"gains or limits of shape {values.shape} for {like.shape[0]} joints"
+        raise BadArgumentError(what, remedy="give one for each joint")
     return values[:, None] if values.ndim == 1 and like.ndim == 2 else values
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,12 +16,19 @@ from exoid.tools.numbers import checked
 from .law import AnyLaw, Memory, State, sound, spread, stateful
 
 
+class LimitedMemory(NamedTuple):
+    """Memory of limits around a controller: that of the controller itself is ``law``."""
+
+    law: Memory
+    last: FloatArray  # last command [N·m], (n,) or (n, B); zero at first
+
+
 @dataclass(frozen=True, eq=False)
 class Limited:
     """Another controller within limits: |τ| ≤ ``limit``, |τ − τ_last| ≤ ``slew`` / rate.
 
-    The last command is part of the state, so that the limits need no memory. A controller that integrates finds the
-    torque that was really commanded in ``state.last``.
+    τ_last is ``state.last``, or the last command of its own where that is None. The other controller finds it in
+    ``state.last``: one that integrates or learns needs the torque that was really commanded.
 
     Attributes:
         law: The other controller, with or without memory.
@@ -51,19 +59,19 @@ class Limited:
         """Sampling rate [Hz]."""
         return self.law.rate
 
-    def begin(self, state: State) -> Memory:
-        """Compute the memory of the other controller before the first sample.
+    def begin(self, state: State) -> LimitedMemory:
+        """Compute the memory before the first sample.
 
         Args:
             state: First measured state.
 
         Returns:
-            Memory.
+            Memory of the other controller, and no torque.
         """
-        return stateful(self.law).begin(state)
+        return LimitedMemory(stateful(self.law).begin(state), np.zeros(np.shape(state.q)))
 
-    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
-        """Compute the torque within the limits, and the memory of the other controller.
+    def step(self, memory: LimitedMemory, state: State, target: Target) -> tuple[FloatArray, LimitedMemory]:
+        """Compute the torque within the limits, and the next memory.
 
         Args:
             memory: Memory after the last sample.
@@ -73,13 +81,14 @@ class Limited:
         Returns:
             Torque [N·m], (n,), and memory.
         """
-        torque, memory = stateful(self.law).step(memory, state, target)
-        last = np.zeros_like(torque) if state.last is None else state.last
-        sound(torque, State(torque, last))
+        last = memory.last if state.last is None else state.last
+        state = state._replace(last=last)
+        torque, inner = stateful(self.law).step(memory.law, state, target)
+        sound(torque - last, state)
         change = spread(np.asarray(self.slew), torque) / self.rate
-        torque = np.clip(torque, last - change, last + change)
         limit = spread(np.asarray(self.limit), torque)
-        return np.clip(torque, -limit, limit), memory
+        torque = np.clip(np.clip(torque, last - change, last + change), -limit, limit)
+        return torque, LimitedMemory(inner, torque)
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C.

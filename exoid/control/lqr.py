@@ -112,9 +112,8 @@ def lqr(
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:
-        raise NotSupportedError(
-            f"no stabilising gain ({error})", remedy="make angle errors cost more, or raise the rate"
-        ) from error
+        what, remedy = f"no stabilising gain ({error})", "make angle errors cost more, or raise the rate"
+        raise NotSupportedError(what, remedy=remedy) from error
     return LQR(model, np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)), friction, rate)
 
 

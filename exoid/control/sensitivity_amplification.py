@@ -65,10 +65,9 @@ class MotionFilter:
         """Check bandwidth and rate."""
         refuse_rate(self.rate)
         if not 0.0 < self.bandwidth < 0.5 * self.rate:
-            raise BadArgumentError(
-                f"a filter of {self.bandwidth:g} Hz at {self.rate:g} Hz",
-                remedy=f"give a bandwidth between 0 and {0.5 * self.rate:g} Hz, or a higher rate",
-            )
+            what = f"a filter of {self.bandwidth:g} Hz at {self.rate:g} Hz"
+            remedy = f"give a bandwidth between 0 and {0.5 * self.rate:g} Hz, or a higher rate"
+            raise BadArgumentError(what, remedy=remedy)
 
     @property
     def pole(self) -> float:
@@ -151,7 +150,8 @@ class SensitivityAmplification:
 
     def step(self, memory: FilteredMotion, state: State, target: Target) -> tuple[FloatArray, FilteredMotion]:
         """Compute the torque; see the class."""
-        moved = self.filter.step(memory, state.q, state.v)
+        with np.errstate(invalid="ignore"):  # what is not finite is refused below, by name
+            moved = self.filter.step(memory, state.q, state.v)
         inertial = self.model.inverse_dynamics(moved.q, moved.v, moved.a) - self.model.statics(moved.q)
         if self.friction is not None:
             filtered = state._replace(q=moved.q, v=moved.v)

@@ -21,10 +21,8 @@ from .self_tuning import self_tuning
 LAWS = ("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr", "self_tuning")
 """Names of the standard controllers."""
 
-
 SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
 """A potentiometer behind a 13-bit converter, a tachometer, a current sensor; assumed."""
-
 
 INSTANTS = 64
 """Number of equally spaced instants of a period over which poses are averaged."""
@@ -95,7 +93,6 @@ def standard_laws(
     }
     unknown = [name for name in names if name not in LAWS]
     if unknown or not names:
-        raise BadArgumentError(
-            f"no controller {', '.join(unknown) or 'at all'}", remedy=f"use some of {', '.join(LAWS)}"
-        )
+        what = f"no controller {', '.join(unknown) or 'at all'}"
+        raise BadArgumentError(what, remedy=f"use some of {', '.join(LAWS)}")
     return {name: makers[name]() for name in names}

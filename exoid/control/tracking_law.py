@@ -17,7 +17,7 @@ from exoid.rig import Target
 
 from .c_description import describe
 from .friction import FrictionCompensation
-from .law import RATE, State, acceleration, refuse_rate, sound, spread
+from .law import RATE, State, acceleration, refuse_rate, sound, spread, unsound
 from .model import ControlModel
 
 
@@ -160,10 +160,13 @@ class TrackingLaw:
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class."""
         kind = FEEDFORWARDS[self.feedforward]
-        torque = kind.torque(self, state, target)
-        if self.friction is not None:
-            torque = torque + self.friction.torque(self.known, state, target)
-        return sound(torque, state, target if kind.inputs else None)
+        try:
+            torque = kind.torque(self, state, target)
+            if self.friction is not None:
+                torque = torque + self.friction.torque(self.known, state, target)
+            return sound(torque, state, target if kind.inputs else None)
+        except (AttributeError, TypeError, ValueError) as error:  # of numpy: lists, other sizes, no target
+            raise unsound(state, target) from error
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C."""

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
-from laws_of_bleex import KD, KP, random_values, torques_in_python
+from laws_of_bleex import KD, KP, laws, observer, random_values, torques_in_python
 
-from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source
-from exoid.control import pd
+from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source, write_ros2
+from exoid.control import Limited, pd
 
 
 class Filtered(NamedTuple):
@@ -80,3 +80,14 @@ def test_the_damping_of_the_safe_torque_may_be_chosen():
     assert "law_safe_damping[3] = {1.0, 2.0, 3.0};" in source.text
     assert "damping of 1, 2, 3 N m s/rad" in source.header
     assert "safe_damping" not in c_source(pd(KP, KD), safety=Safety("zero")).text
+
+
+def test_joints_without_a_limit_of_the_torque_are_named(tmp_path):
+    """Also in a package for ROS 2; an observer commands nothing."""
+    half = Limited(laws()["impedance"], (50.0, np.inf, 30.0))
+    for source in (c_source(half), write_ros2(tmp_path / "leg", half)):
+        assert len(source.warnings) == 1
+        for text in (source.warnings[0], source.files.get("law.h") or source.files["include/leg/leg.h"]):
+            assert "no limit of the torque at left_knee" in text
+    assert not any(c_source(law).warnings for law in (Limited(half, 60.0), observer()))
+    assert "+ F(v), never driving" in c_source(laws()["sensitivity_amplification"]).header

@@ -120,8 +120,12 @@ REFUSED = {
         for law in (pd(1.0, 1.0), gravity_friction_pd(LEG, 1.0, 1.0), impedance(LEG, 1.0, 1.0))
         for name, bad in (("q", np.ones(1)), ("v", np.ones(1)), ("q", np.ones((2, 1))))
     ] + [
-        (lambda law: _step(law, REST._replace(v=np.array([NAN, 0.0])), None), sensitivity_amplification(LEG, 2.0)),
-        (lambda law: law.step((), REST._replace(last=np.array([0.0, NAN])), AIM), Limited(pd(1.0, 1.0), 5.0)),
+        *(
+            (lambda x: _step(sensitivity_amplification(LEG, 2.0), REST._replace(v=np.array([x, 0.0])), None), bad)
+            for bad in (NAN, INF)
+        ),
+        *((lambda sample: pd(1.0, 1.0).torque(*sample), bad) for bad in ((REST, None), (State([0, 0], [0, 0]), AIM))),
+        (lambda x: _step(Limited(pd(1.0, 1.0), 5.0), REST._replace(last=x), AIM), np.zeros(1)),
         (lambda gain: pd(gain, 1.0).torque(REST, AIM), np.eye(2)),
     ],
     "replay": [
@@ -163,6 +167,13 @@ def test_an_estimate_with_a_mass_matrix_of_no_links_gets_no_gains():
 def test_bad_arguments_are_refused(call, bad):
     with pytest.raises(BadArgumentError):
         call(bad)
+
+
+def test_a_number_that_is_not_finite_is_named_by_its_channel_and_place():
+    wrong = np.array([0.0, NAN])
+    for name in ("q", "last"):
+        with pytest.raises(BadArgumentError, match=rf"^{name}\[1\] is not finite"):
+            _step(Limited(pd(1.0, 1.0), 5.0), REST._replace(**{name: wrong}), AIM)
 
 
 def test_a_motion_beyond_the_limits_and_a_run_that_diverges_are_refused():

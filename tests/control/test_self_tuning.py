@@ -9,7 +9,7 @@ from arms import Arm
 from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 import exoid
-from exoid.control import ControlModel, State, compare_laws, feedforward_pd, gravity_support, self_tuning
+from exoid.control import ControlModel, Limited, State, compare_laws, feedforward_pd, gravity_support, self_tuning
 from exoid.control.self_tuning import SLEW, SelfTuning
 from exoid.control.self_tuning import exact_estimate as written
 from exoid.control.standard_laws import SENSORS
@@ -47,6 +47,11 @@ def test_before_it_learns_the_torque_is_the_feedforward_of_the_estimate():
     state = State(aim.q + 0.1, aim.v - 0.2)
     torque, _ = law.step(law.begin(state), state, aim)
     np.testing.assert_allclose(torque, known.torque(state, aim), atol=1e-9)
+    limited = Limited(law, 3.0)  # which hands on what was commanded, also without state.last
+    memory = limited.begin(state)
+    for _ in range(2):
+        _, memory = limited.step(memory, state, aim)
+    assert np.abs(memory.law.before[2]).max() == 3.0
 
 
 def test_a_payload_is_found_and_the_mass_matrix_stays_positive_definite():

@@ -100,10 +100,8 @@ def write_ros2(
 def _refuse(law: LawInC) -> None:
     """Refuse what has no form in ROS 2, by name."""
     if law.gives != LawInC.gives:
-        raise NotSupportedError(
-            f"it gives the {law.gives}, which no drive must follow",
-            remedy="write a control law for ROS 2; an observer has a form in C (--c)",
-        )
+        what = f"it gives the {law.gives}, which no drive must follow"
+        raise NotSupportedError(what, remedy="write a control law for ROS 2; an observer has a form in C (--c)")
     for each in law.inputs:
         if each.name not in CHANNELS:
             raise NotSupportedError(
@@ -111,9 +109,8 @@ def _refuse(law: LawInC) -> None:
                 remedy="write it as C (--c), and call it in a controller of your own",
             )
     if law.rate != round(law.rate):
-        raise BadArgumentError(
-            f"a rate of {law.rate:g} Hz: ros2_control takes whole numbers", remedy="choose another rate"
-        )
+        what = f"a rate of {law.rate:g} Hz: ros2_control takes whole numbers"
+        raise BadArgumentError(what, remedy="choose another rate")
     for joint in law.joints:
         if not re.fullmatch(r"[A-Za-z0-9_.-]+", joint):
             raise BadArgumentError(

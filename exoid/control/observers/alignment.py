@@ -14,7 +14,6 @@ from exoid._typing import FloatArray
 HISTORY = 10.0
 """Delays of the channels after which their filters have forgotten."""
 
-
 LONGEST = 200_000
 """Samples after which an impulse response counts as over."""
 

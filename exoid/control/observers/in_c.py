@@ -28,7 +28,7 @@ def observer_in_c(
     model: ControlModel, alignment: Alignment, one: JointFilter, settling: int, width: float, dialect: Dialect
 ) -> LawInC:
     """Describe an observer with measured velocities. It gives the torque, without band and detection."""
-    n, rate = model.n, alignment.rate
+    n, rate, friction = model.n, alignment.rate, FrictionCompensation("measured", width)
     if alignment.waiting > 0.0 or alignment.lags.any():
         raise NotSupportedError(
             "channels that lag behind each other have no form in C",
@@ -61,12 +61,7 @@ def observer_in_c(
         step_of("observer_begin").replace("{{count}}", str(count)),
         step_of("observer_helpers").replace("{{low_pass}}", low_pass),
         "torque of the wearer on the leg",
-        leg_in_c(
-            model,
-            ("gravity", "springs", "rigid_bodies", "mass_matrix"),
-            FrictionCompensation("measured", width),
-            dialect,
-        ),
+        leg_in_c(model, ("gravity", "springs", "rigid_bodies", "mass_matrix"), friction, dialect),
         settling=settling,
         farthest=FASTEST / rate,
     )
