@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -117,6 +117,7 @@ def largest_amplification(
     truth: ModelSource | Sequence[ModelSource] | None = None,
     law: AmplifiedLaw = sensitivity_amplification,
     poses: ArrayLike | None = None,
+    roles: Mapping[str, str] | None = None,
     delay: int = 0,
     share: float = 0.95,
     draws: int = 200,
@@ -138,7 +139,9 @@ def largest_amplification(
         wearer: The wearer; None for nobody: then nothing but the controller holds the leg.
         truth: True legs; None for draws from the distribution of the estimate.
         law: Function that makes the controller from the source and an amplification.
-        poses: Poses [rad], (N, n) or (n,), of which the worst counts; None for eight poses of a stride.
+        poses: Poses [rad], (N, n) or (n,), of which the worst counts; None for eight poses of a stride, within the
+            limits of the joints.
+        roles: "hip", "knee" or "ankle" for each joint that has another name, for the poses of a stride.
         delay: Delay of the readings in sampling periods.
         share: Share of the draws that must be stable.
         draws: Number of draws.
@@ -162,11 +165,10 @@ def largest_amplification(
     """
     model = ControlModel.of(source)
     if not (0.0 < share < 1.0 and draws >= 1 and 1.0 < most < np.inf):
-        raise BadArgumentError(
-            f"a share of {share:g}, {draws} draws, amplifications up to {most:g}",
-            remedy="give a share between 0 and 1, at least one draw, and a largest amplification above 1",
-        )
-    at = poses_of(model.leg, poses)
+        what = f"a share of {share:g}, {draws} draws, amplifications up to {most:g}"
+        remedy = "give a share between 0 and 1, at least one draw, and a largest amplification above 1"
+        raise BadArgumentError(what, remedy=remedy)
+    at = poses_of(model.leg, poses, roles)
     loop = WornLoop.of_amplifications(lambda amplification: law(source, amplification), wearer, at, delay, most)
     rejected = 0.0
     if truth is not None:

@@ -103,9 +103,8 @@ class WornLoop:
     def largest(self, legs: Sequence[HeldLeg]) -> FloatArray:
         """Find the first unstable amplification from 1 upward, by nodes and then by bisection."""
         count, last = len(legs[0].A), len(self.scanned)
-        unstable = np.zeros(
-            len(legs), dtype=np.int64
-        )  # legs that became unstable at each pose, the worst is tried first
+        # legs that became unstable at each pose, the worst is tried first
+        unstable = np.zeros(len(legs), dtype=np.int64)
         first = np.full(count, last)
         for node, amplification in enumerate(self.scanned):
             open_ = np.flatnonzero(first == last)
@@ -149,13 +148,12 @@ class WornLoop:
 
 
 def poses_of(leg: Leg, poses: ArrayLike | None, roles: Mapping[str, str] | None = None) -> FloatArray:
-    """Take given poses, or poses along a stride."""
+    """Take given poses, or poses along a stride, within the limits of the joints."""
     if poses is None:
         gait = gait_for_leg(leg, healthy_gait(scale=1.0, period=1.0), roles)
-        return np.array([gait.at(k / 8).q[:, 0] for k in range(8)])
+        return np.array([gait.at(k / 8).q[:, 0] for k in range(8)]).clip(*leg.limits[:2])
     given = np.atleast_2d(np.asarray(poses, dtype=np.float64))
     if given.ndim != 2 or given.shape[1] != len(leg.joint_names) or not np.isfinite(given).all() or not len(given):
-        raise BadArgumentError(
-            f"poses of shape {given.shape}", remedy=f"give (N, {len(leg.joint_names)}) angles in rad"
-        )
+        remedy = f"give (N, {len(leg.joint_names)}) angles in rad"
+        raise BadArgumentError(f"poses of shape {given.shape}", remedy=remedy)
     return given

@@ -190,7 +190,16 @@ def test_settings_that_make_no_sense_are_refused(wearer):
     with pytest.raises(ExoidError, match="only an estimate"):
         largest_amplification(MODEL)
     assert poses_of(LEG, None).shape == (8, 2)
+    assert poses_of(exoid.load_leg("bleex"), None)[:, 1].max() == 0.0  # a stride straightens the knee by 1.2° more
     assert WornLoop.of([pd(1.0, 0.1)], np.zeros(1), None, POSE[None], 0).laws[0].N.shape == (1, 0, 0)
+
+
+def test_a_leg_with_other_names_has_the_roles_that_are_given():
+    hip, knee = LEG.joint_names
+    text = LEG.description.text.replace(f'"{hip}"', '"upper"')
+    leg = exoid.Leg.from_description(exoid.leg.description.describe(text), ("upper", knee))
+    found = largest_amplification(leg, truth=leg, roles={"upper": "hip", knee: "knee"}, most=4.0)
+    assert found.values == largest_amplification(LEG, truth=LEG, most=4.0).values
 
 
 def _begun_memory(law, q, v):
