@@ -37,12 +37,7 @@ def arm_shapes(actuators: Actuators, leg: Leg) -> dict[int, ArmShapes]:
 def _of_table(arm: MomentArmTable) -> ArmShapes:
     """Relative errors of a table that grow with the angle, and with its square."""
     middle, half = 0.5 * (arm.angle[0] + arm.angle[-1]), 0.5 * (arm.angle[-1] - arm.angle[0])
-
-    def shapes(q: FloatArray) -> FloatArray:
-        x = (q - middle) / half
-        return np.array([x, x * x])
-
-    return ArmShapes("1", "table of moment arms", shapes)
+    return ArmShapes("1", "table of moment arms", lambda q: np.array([x := (q - middle) / half, x * x]))
 
 
 def _of_points(arm: Attachments, leg: Leg, joint: str) -> ArmShapes:

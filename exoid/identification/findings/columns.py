@@ -94,11 +94,6 @@ class _Point:
         return np.zeros_like(self.torque) if self.motion.payload is None else self.motion.payload.T
 
     @cached_property
-    def earlier(self) -> FloatArray:
-        """Change of the torques by a delay of 1 s, −dτ/dt, (n, N)."""
-        return _earlier(self, self.torque)
-
-    @cached_property
     def leg(self) -> Leg:
         """The leg with the fitted parameters."""
         leg = self.of.model.leg
@@ -139,7 +134,7 @@ class _Point:
 
 
 def _earlier(at: _Point, x: FloatArray) -> FloatArray:
-    """Change of a torque by a delay of 1 s, by polynomials through five samples."""
+    """Change of a torque by a delay of 1 s, −dτ/dt, by polynomials through five samples."""
     if not at.of.moving or x.shape[-1] < 5 or not x.any():
         return np.zeros_like(x)
     return -difference(x.T, at.of.rate, 1, 4).T
@@ -233,9 +228,9 @@ def _ripple(at: _Point, k: int) -> FloatArray:
 
 
 COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, FloatArray] | FloatArray]] = {
-    "delay": lambda at, _: at.earlier,
-    "delays": lambda at, _: [at.earlier],
-    "drift": lambda at, _: [at.earlier],  # times the time since the log began, see the rows of a check
+    "delay": lambda at, _: _earlier(at, at.torque),
+    "delays": lambda at, _: [_earlier(at, at.torque)],
+    "drift": lambda at, _: [_earlier(at, at.torque)],  # times the time since the log began, see the rows of a check
     "gain": lambda at, _: at.torque,
     "cross-talk": lambda at, other: [at.torque[other]] * len(at.torque),
     "zero": lambda at, _: at.slopes[0],
@@ -255,12 +250,11 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     "force": lambda at, other: [at.motion.q[:, other]] * len(at.torque),
     "force²": lambda at, _: at.motion.q.T**2,
     "sharpness": lambda at, _: at.sign(sharper=4.0),
+    "reversals": lambda at, _: _earlier(at, at.sign()),  # a joint that stuck, or presliding, turns at another time
     "friction |v|": lambda at, _: np.abs(at.motion.v.T),
     "friction v²": lambda at, _: at.motion.v.T * np.abs(at.motion.v.T),
     # falls off at a quarter of the RMS speed
-    "friction Stribeck": lambda at, _: (
-        at.sign() * np.exp(-((4.0 * at.motion.v / np.maximum(at.of.speed, 1e-6)) ** 2)).T
-    ),
+    "friction Stribeck": lambda at, _: at.sign() * np.exp(-((4.0 * at.motion.v / at.of.speed.clip(1e-6)) ** 2)).T,
     "friction load": lambda at, _: at.sign() * np.abs(at.of_leg),
 }
 """Nuisance columns by what they are derivatives of: of every place, (N,) of one joint, or (n, N) in `OF_ALL_JOINTS`."""

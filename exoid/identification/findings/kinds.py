@@ -214,7 +214,7 @@ class Library(NamedTuple):
 
     columns: tuple[Column, ...]  # K of them
     faults: tuple[Nuisance, ...]  # those that are tested
-    # columns that every test contains, so that the sharpness of friction is not taken for another fault
+    # columns that every test contains, so that sharp friction, or when it turns, is not taken for another fault
     always: tuple[int, ...]
 
 
@@ -225,6 +225,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
     few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
     columns: list[Column] = []
     faults: list[Nuisance] = []
+    always: list[int] = []
 
     def add(kind: str, place: int, *others: int) -> tuple[int, ...]:
         columns.extend(Column(kind, place, other) for other in others or (-1,))
@@ -236,12 +237,10 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
         if n != 2 or j == 1:  # of two joints only the ratio shows
             faults.append(Nuisance("torque-scale", joint, j, "1", gain))
         # In a planar leg a tilt of the base changes the torque as the zero of the first angle does.
-        tilts = planar and j == 0
-        faults.append(
-            Nuisance("gravity-direction" if tilts else "angle-offset", "" if tilts else joint, j, "rad", zero)
-        )
+        turned = ("gravity-direction", "") if planar and j == 0 else ("angle-offset", joint)
+        faults.append(Nuisance(*turned, j, "rad", zero))
         faults.append(Nuisance("angle-scale", joint, j, "1", add("scale", j)))
-        add("sharpness", j)
+        always += (*add("sharpness", j), *add("reversals", j))
         for kind, (form, unit) in FORMS.items():
             faults.append(Nuisance("unmodelled-friction", joint, j, unit, add(kind, j), form=form))
         force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
@@ -272,5 +271,4 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
         faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
-    always = tuple(k for k, column in enumerate(columns) if column.kind == "sharpness")
-    return Library(tuple(columns), tuple(faults), always)
+    return Library(tuple(columns), tuple(faults), tuple(always))
