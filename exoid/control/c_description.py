@@ -64,10 +64,8 @@ def leg_in_c(
     still = np.zeros((model.n, 1))
     for other in model.others:  # what a model has at rest counts as a spring
         if c_form(other.term).place == "friction" and other.torque(still, still, still, still).any():
-            raise NotSupportedError(
-                f"{type(other.term).__name__} has a torque at rest, which laws in C do not have",
-                remedy='write its form with the place "stiffness", or as two terms',
-            )
+            what = f"{type(other.term).__name__} has a torque at rest, which laws in C do not have"
+            raise NotSupportedError(what, remedy='write its form with the place "stiffness", or as two terms')
     plain = _plain_terms(model, None if friction is None else friction.width)
     for term, joints, values in (*plain, *((other.term, other.joints, other.values) for other in model.others)):
         place = c_form(term).place

@@ -109,22 +109,18 @@ def simulate_many(
     laws: list[AnyLaw] = list(law) if isinstance(law, Sequence) else [law] * plant.count
     rates = sorted({each.rate for each in laws})
     if len(laws) != plant.count or len(rates) != 1:
-        raise BadArgumentError(
-            f"{len(laws)} controllers of {rates} Hz for {plant.count} rigs",
-            remedy="give one for each rig, all of one rate",
-        )
+        what = f"{len(laws)} controllers of {rates} Hz for {plant.count} rigs"
+        raise BadArgumentError(what, remedy="give one for each rig, all of one rate")
     rate = rates[0]
     if names is not None and len(names) != plant.count:
         raise BadArgumentError(f"{len(names)} names for {plant.count} rigs", remedy="give one name for each rig")
     if not 0.0 <= settle < duration:
-        raise BadArgumentError(
-            f"{settle:g} s to settle in a run of {duration:g} s", remedy="run longer than it settles"
-        )
+        what = f"{settle:g} s to settle in a run of {duration:g} s"
+        raise BadArgumentError(what, remedy="run longer than it settles")
     most = 10**7  # samples: a day at 100 Hz
     if duration * max(rate, RATE) > most:
-        raise BadArgumentError(
-            f"a run of {duration:g} s is longer than {most:.0e} samples", remedy="simulate a shorter one"
-        )
+        what = f"a run of {duration:g} s is longer than {most:.0e} samples"
+        raise BadArgumentError(what, remedy="simulate a shorter one")
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
     log = max(RATE, rate) if log_rate is None else log_rate
@@ -173,9 +169,8 @@ def compare_laws(
     plants = dict.fromkeys(laws, plant) if isinstance(plant, Plant) else plant
     missing = [name for name in laws if name not in plants]
     if missing or not laws:
-        raise BadArgumentError(
-            f"no plant for {', '.join(missing)}" if missing else "no controllers", remedy="give each controller a plant"
-        )
+        what = f"no plant for {', '.join(missing)}" if missing else "no controllers"
+        raise BadArgumentError(what, remedy="give each controller a plant")
     progress, beginning = options.get("progress"), None if start is None else np.reshape(start, (-1, 1))
     groups: dict[float | str, list[str]] = {}
     for name, law in laws.items():  # legs that are not planar are simulated one by one
@@ -206,10 +201,8 @@ def plant_step(control: float, log: float) -> float:
     step = float(1 / (common * -(-2000 // common)))
     shortest = 2e-5  # [s]; shorter ones would take minutes
     if step < shortest:
-        raise BadArgumentError(
-            f"rates of {control:g} and {log:g} Hz have no common step above {shortest:g} s",
-            remedy="choose a log rate that is a multiple of the controller's",
-        )
+        what = f"rates of {control:g} and {log:g} Hz have no common step above {shortest:g} s"
+        raise BadArgumentError(what, remedy="choose a log rate that is a multiple of the controller's")
     return step
 
 

@@ -113,9 +113,8 @@ PASSIVE = FrictionCompensation(scale=0.9, drives=False)
 def refuse_desired(friction: FrictionCompensation | None) -> None:
     """Refuse friction of a desired velocity in a law that follows none."""
     if friction is not None and friction.velocity == "desired":
-        raise BadArgumentError(
-            "friction of the desired velocity, where no motion is desired", remedy="use SMOOTH, SHARP or PASSIVE"
-        )
+        what = "friction of the desired velocity, where no motion is desired"
+        raise BadArgumentError(what, remedy="use SMOOTH, SHARP or PASSIVE")
 
 
 def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:

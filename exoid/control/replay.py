@@ -148,20 +148,17 @@ def replay_law(
     with in_file(where):
         refuse_gaps(recording.time)
     if recording.sample_rate < 0.99 * law.rate:
-        raise BadArgumentError(
-            f"a log of {recording.sample_rate:.4g} Hz for a controller at {law.rate:g} Hz",
-            where=where,
-            remedy="record faster, or make the controller with the rate of the log",
-        )
+        what = f"a log of {recording.sample_rate:.4g} Hz for a controller at {law.rate:g} Hz"
+        remedy = "record faster, or make the controller with the rate of the log"
+        raise BadArgumentError(what, where=where, remedy=remedy)
     followed = follow_log(recording) if reference is None or recording.v is None else None
     elapsed = recording.time - recording.time[0]
     edge = 0.0 if followed is None else followed.edge
     first, last = np.ceil(max(0.0, edge * law.rate - 1e-9)), np.floor((elapsed[-1] - edge) * law.rate + 1e-9)
     times = np.arange(first, last + 1) / law.rate
     if len(times) < 2:
-        raise BadArgumentError(
-            f"a log of {elapsed[-1]:g} s is too short", where=where, remedy="give one of several seconds"
-        )
+        what = f"a log of {elapsed[-1]:g} s is too short"
+        raise BadArgumentError(what, where=where, remedy="give one of several seconds")
     q = _sampled(recording.q, elapsed, times)
     if recording.v is not None:
         v = _sampled(recording.v, elapsed, times)
@@ -191,11 +188,9 @@ def _commanded(
         with within(f"at {time:g} s"):
             torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
         if torque.shape != q[k].shape or not np.isfinite(torque).all():
-            raise BadArgumentError(
-                f"the controller commands {torque} N·m at {time:g} s",
-                where=where,
-                remedy="check that it is for the joints of the log, and that its parameters are finite",
-            )
+            what = f"the controller commands {torque} N·m at {time:g} s"
+            remedy = "check that it is for the joints of the log, and that its parameters are finite"
+            raise BadArgumentError(what, where=where, remedy=remedy)
         torques[k] = last = torque
     return torques
 

@@ -218,9 +218,8 @@ def self_tuning(
 def exact_estimate(model: ControlModel) -> Estimate:
     """Write a model of plain springs, friction and rotors as an estimate without errors: the torques are the same."""
     if model.others:
-        raise NotSupportedError(
-            f"self-tuning control of a model with {type(model.others[0].term).__name__}", remedy="pass the estimate"
-        )
+        what = f"self-tuning control of a model with {type(model.others[0].term).__name__}"
+        raise NotSupportedError(what, remedy="pass the estimate")
     labels = np.array(model.leg.joint_labels)
     terms: list[Term] = [
         Stiffness(degree=len(powers) - 1 - int(np.flatnonzero(powers)[0]), joints=(str(label),))

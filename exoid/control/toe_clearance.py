@@ -72,9 +72,8 @@ def toe_clearance(
     leg, n = estimate.leg, q.shape[1]
     steps = np.diff(time)
     if leg.base_rows or q.shape != (len(time), len(leg.joint_names)) or not np.allclose(steps, steps[0], rtol=1e-6):
-        raise BadArgumentError(
-            f"a swing of {len(time)} times and angles {q.shape}", remedy="give one leg on a fixed base, at one rate"
-        )
+        what = f"a swing of {len(time)} times and angles {q.shape}"
+        raise BadArgumentError(what, remedy="give one leg on a fixed base, at one rate")
     checked(carried_std, "the standard deviation of the height [m]", least=0.0)
     gains = [np.broadcast_to(checked(x, "a gain", above=0.0), n) for x in (kp, kd)]
     curve = scipy.interpolate.CubicSpline(time, q)

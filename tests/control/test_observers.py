@@ -303,6 +303,16 @@ def jump(recording):
     return dataclasses.replace(recording, q=q, largest_angle=np.inf)
 
 
+def derived(recording):
+    return np.gradient(recording.q, recording.time, axis=0)
+
+
+def frozen(recording):
+    q, v = recording.q.copy(), derived(recording)
+    q[1000:, 1] = q[1000, 1]
+    return dataclasses.replace(recording, q=q, v=v)
+
+
 LOGS = {
     "another rate": (lambda r: dataclasses.replace(r, time=2.0 * r.time), BadArgumentError, ()),
     "a gap": (lambda r: dataclasses.replace(r, time=r.time + 0.1 * (r.time > 2.0)), UnreadableInputError, ()),
@@ -313,6 +323,12 @@ LOGS = {
         lambda r: dataclasses.replace(r, tau=r.tau * [1.0, np.nan, 1.0]),
         UnreadableInputError,
         ("left_knee",),
+    ),
+    "a frozen angle": (frozen, UnreadableInputError, ("left_knee",)),
+    "a velocity of the other sign": (
+        lambda r: dataclasses.replace(r, v=derived(r) * [1.0, 1.0, -1.0]),
+        UnreadableInputError,
+        ("left_ankle",),
     ),
     "another leg": (
         lambda r: dataclasses.replace(r, joint_names=("right_hip", "right_knee", "right_ankle")),

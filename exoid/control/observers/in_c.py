@@ -30,10 +30,8 @@ def observer_in_c(
     """Describe an observer with measured velocities. It gives the torque, without band and detection."""
     n, rate, friction = model.n, alignment.rate, FrictionCompensation("measured", width)
     if alignment.waiting > 0.0 or alignment.lags.any():
-        raise NotSupportedError(
-            "channels that lag behind each other have no form in C",
-            remedy="align them where they are read, and give the observer torque_delay=0.0 and velocity_delay=0.0",
-        )
+        remedy = "align them where they are read, and give the observer torque_delay=0.0 and velocity_delay=0.0"
+        raise NotSupportedError("channels that lag behind each other have no form in C", remedy=remedy)
     constants = {
         "rate": (np.array(float(rate)), "sampling rate [Hz]"),
         "b": (np.full(n, one.b[0]), "gain of the observer, 1 - exp(-K T)"),

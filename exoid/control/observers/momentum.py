@@ -55,10 +55,8 @@ class MomentumModel:
         checked(self.stiction, "stiction", least=0.0)
         rotors = self.model.rotors(np.random.default_rng(0).uniform(-1.0, 1.0, (4, self.model.n)))
         if not np.allclose(rotors, rotors[0], rtol=1e-9, atol=1e-12):
-            raise NotSupportedError(
-                "a term of the model has an inertia that depends on the angles",
-                remedy="make the observer of an estimate without that term",
-            )
+            what = "a term of the model has an inertia that depends on the angles"
+            raise NotSupportedError(what, remedy="make the observer of an estimate without that term")
 
     def over(self, q: FloatArray, v: FloatArray) -> Momentum:
         """Evaluate the terms at samples (N, n)."""

@@ -25,7 +25,7 @@ from .alignment import Alignment, AlignmentMemory, JointFilter
 from .in_c import observer_in_c
 from .momentum import MomentumModel
 from .noise import NoiseBand, Residual, SensorNoise
-from .readings import ObservedTorque, ObserverReading, observed_log, refuse_readings
+from .readings import ObservedTorque, ObserverReading, observed_log, refuse_contradictions, refuse_readings
 
 
 class ObserverMemory(NamedTuple):
@@ -209,6 +209,8 @@ class MomentumObserver:
         q, v, derived = recording.q, recording.v, recording.v is None
         rows = _stacked(q, v, recording.tau)
         refuse_readings(rows, q[0], self.rate, self.names, "the log")
+        if v is not None:
+            refuse_contradictions(recording, v)
         # the mean velocity over the delay of the channels
         count = min(max(1, round(self.alignment.delay * self.rate)), len(q) - 1)
         memory = self.begin(q[0], (q[count] - q[0]) * self.rate / count if v is None else v[0], rows[0, 2])
@@ -224,9 +226,8 @@ class MomentumObserver:
     ) -> tuple[ObserverReading, ObserverMemory]:
         """Readings (N, n) of consecutive samples (N, 3, n), and the memory after them."""
         if derived and self.alignment.filters is None:
-            raise BadArgumentError(
-                "velocities are neither measured nor derived, as cutoff is inf", remedy="give velocities, or a cutoff"
-            )
+            what = "velocities are neither measured nor derived, as cutoff is inf"
+            raise BadArgumentError(what, remedy="give velocities, or a cutoff")
         aligned, alignment = self.alignment.run(memory.alignment, rows, derived=derived)
         now = self.terms.over(aligned[:, 0], aligned[:, 1])
         now.u[:, 0] += aligned[:, 2]
@@ -280,10 +281,8 @@ class MomentumObserver:
             # where it causes a bias: with 10 Hz, ten minutes of fast unworn motion raised alarms, with 20 Hz none.
             cutoff = min(max(20.0, self.bandwidth), 0.2 * self.rate)
         if not 0.0 < cutoff < 0.5 * self.rate and cutoff != np.inf:
-            raise BadArgumentError(
-                f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz",
-                remedy="give a cut-off below half the rate, or inf for none",
-            )
+            what = f"a low-pass at {cutoff:g} Hz for channels at {self.rate:g} Hz"
+            raise BadArgumentError(what, remedy="give a cut-off below half the rate, or inf for none")
         return Alignment(n, self.rate, cutoff, lags)
 
     def __repr__(self) -> str:

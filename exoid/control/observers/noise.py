@@ -66,9 +66,8 @@ class SensorNoise:
             ExoidError: The log has no torque, or time steps are uneven.
         """
         if recording.tau is None or not recording.is_uniform:
-            raise UnreadableInputError(
-                "noise is measured from evenly sampled torques", remedy="give a log as it was sampled"
-            )
+            what = "noise is measured from evenly sampled torques"
+            raise UnreadableInputError(what, remedy="give a log as it was sampled")
         tau = _white(recording.tau)
         velocity = 0.0 if recording.v is None else _white(recording.v)
         steps = np.array([_step(q) for q in recording.q.T])
