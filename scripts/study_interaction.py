@@ -148,7 +148,7 @@ def unworn(seeds: int) -> list[tuple[str, ...]]:
 
 
 def _alarms(label: str, found: list[exoid.Interaction]) -> tuple[str, ...]:
-    """Label, number of logs, false alarms, and the largest torque over the smallest that the test would notice."""
+    """Label, number of logs, false alarms, torque over the smallest that is noticed, largest share outside the band."""
     ratios = [np.std(each.torque[:, j]) / action.least for each in found for j, action in enumerate(each.actions)]
     return (
         label,
@@ -156,6 +156,7 @@ def _alarms(label: str, found: list[exoid.Interaction]) -> tuple[str, ...]:
         str(sum(bool(each.worn) for each in found)),
         f"{np.mean(ratios):.2f}",
         f"{np.max(ratios):.2f}",
+        f"{100.0 * np.max([(np.abs(each.torque - each.mean) > each.band).mean(axis=0) for each in found]):.1f}",
     )
 
 
@@ -168,7 +169,10 @@ def main() -> None:
     options = parser.parse_args()
     seeds = list(range(options.seeds))
     if options.unworn:
-        headers, rows = ("logs", "number", "called worn", "mean torque / least", "largest"), unworn(options.seeds)
+        headers, rows = (
+            ("logs", "number", "called worn", "mean torque / least", "largest", "outside [%]"),
+            unworn(options.seeds),
+        )
     elif options.parts:
         headers = (*WHO, "error [N·m]", "exact sensors", "true parameters", "both", "noise alone")
         rows = [row for name in LEGS for row in parts(name, seeds)]

@@ -4,9 +4,4 @@ from .action import JointAction
 from .gait import GaitProfile
 from .interaction import Interaction, interaction
 
-__all__ = [
-    "GaitProfile",
-    "Interaction",
-    "JointAction",
-    "interaction",
-]
+__all__ = ["GaitProfile", "Interaction", "JointAction", "interaction"]

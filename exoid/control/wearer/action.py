@@ -31,8 +31,7 @@ LIKE = 0.9
 class Evidence(NamedTuple):
     """What the residuals of one recording say of each joint, (n,) each."""
 
-    # mean square of the torque about its mean [N²·m²]; not a number where the torque was not measured
-    power: FloatArray
+    power: FloatArray  # mean square of the torque about its mean [N²·m²]; not a number where it was not measured
     mean: FloatArray  # mean of the torque [N·m]
     noise: FloatArray  # variance that the noise of the training gives it [N²·m²]
     systematic: FloatArray  # mean variance by errors of the parameters and of the form of friction [N²·m²]

@@ -44,7 +44,16 @@ def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase:
     # angles. That period is the lag at which their autocorrelation peaks. The phase is that of the strongest harmonic
     # (its analytic signal), so that it follows a cadence that changes slowly.
     if strides is not None:
-        return _of_strides(recording, _checked(recording, strides), "given strides")
+        times = np.atleast_1d(np.asarray(strides, dtype=np.float64))
+        rising = times.ndim == 1 and len(times) > 1 and np.isfinite(times).all() and bool((np.diff(times) > 0.0).all())
+        if not rising or times[0] >= recording.time[-1] or times[-1] <= recording.time[0]:
+            within = f"{recording.time[0]:g} to {recording.time[-1]:g} s"
+            raise BadArgumentError(
+                f"{np.size(times)} strides that do not rise, or are not within {within}",
+                where=recording.file_name,
+                remedy="give the times at which strides begin [s], two or more, in order",
+            )
+        return _of_strides(recording, times, "given strides")
     for link, flags in recording.contacts.items():
         touch_downs = recording.time[1:][np.diff(np.asarray(flags, dtype=np.int8)) > 0]
         if len(touch_downs) > 1:
@@ -67,20 +76,6 @@ def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray, bins: i
         return np.array([np.divide(s, count, out=np.full(bins, np.nan), where=count > 0.0) for s in sums]).T
 
     return GaitProfile((np.arange(bins) + 0.5) / bins, mean(tau), np.sqrt(mean(tau**2)), mean(power), count)
-
-
-def _checked(recording: Recording, strides: ArrayLike) -> FloatArray:
-    """Check times of strides."""
-    times = np.atleast_1d(np.asarray(strides, dtype=np.float64))
-    rising = times.ndim == 1 and len(times) > 1 and np.isfinite(times).all() and bool((np.diff(times) > 0.0).all())
-    if not rising or times[0] >= recording.time[-1] or times[-1] <= recording.time[0]:
-        raise BadArgumentError(
-            f"{np.size(times)} strides that do not rise, or are not within {recording.time[0]:g} to "
-            f"{recording.time[-1]:g} s",
-            where=recording.file_name,
-            remedy="give the times at which strides begin [s], two or more, in order",
-        )
-    return times
 
 
 def _of_strides(recording: Recording, begins: FloatArray, source: str) -> Phase:

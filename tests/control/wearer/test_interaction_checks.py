@@ -97,6 +97,16 @@ def test_an_estimate_with_errors_cannot_tell_that_nothing_acts(estimate, unworn)
     assert exoid.interaction(estimate, stuck).worn is None  # the log has an error
 
 
+def test_a_torque_outside_the_band_that_is_not_significant_is_neither_worn_nor_not_worn(estimate, unworn):
+    estimate = dataclasses.replace(estimate, covariance=1e3 * estimate.covariance)
+    least = exoid.interaction(estimate, unworn).actions[1].least
+    push = np.array([0.0, 0.9 * np.sqrt(2.0) * least, 0.0]) * np.sin(3.0 * unworn.time)[:, None]
+    found = exoid.interaction(estimate, dataclasses.replace(unworn, tau=unworn.tau - push))
+    assert found.unclear == estimate.joint_names[1:2]
+    assert found.worn is None is found.to_json()["worn"]
+    assert "below the least" in str(found)
+
+
 def test_another_leg(leg, estimate):
     found = exoid.interaction(estimate, log(swing(leg.with_parameters(1.3 * leg.parameters), 7)))
     (finding,) = of_kind(found, "body-like-interaction")
