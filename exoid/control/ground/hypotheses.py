@@ -51,7 +51,11 @@ class ContactNoise(NamedTuple):
     late: float = 0.08  # time over which the readings of a switch are one piece of evidence [s]
     misfit: float = 1.4  # mean log(1 + distance / freedom) of the best set from which a sensor must be wrong
     freezes: float = 0.03  # time for which a reading does not change at all: the sensor is frozen [s]
-    moves: float = 0.5  # velocity of a joint from which the machine moves, so that a reading has to change [rad/s]
+    moves: float = 0.2  # velocity of a joint from which the machine moves, so that a reading has to change [rad/s]
+    # least speed of its joints, in rad/s and over that when an encoder changed last: it explains the time to the next
+    # step. Encoders of 11 to 16 bits need 2.4 times and twice the speeds given here, on a walk, stairs, sit and rise.
+    creeps: float = 1e-3
+    slows: float = 1.0 / 30.0
     agrees: float = 0.2  # time over which motion and torque must agree by some set [s]
     distrusted: float = 1.0  # time for which all sets are unknown if they do not [s]
     surprise: float = 0.1  # probability in a block of a set that the function does not expect, over one that it does
@@ -102,6 +106,8 @@ class Memory:
     left: int = 0  # samples since the last block
     last: FloatArray | None = None  # last sample of angles, torques and gyroscope
     still: NDArray[np.intp] | None = None  # samples for which each of them has not changed
+    step: FloatArray | float = 2.0 * np.pi / 2**12  # smallest change of each angle [rad]; 12 bits until it changes
+    pace: FloatArray | float = 0.0  # speed of each joint when its angle changed last [rad/s]
     frozen: BoolArray | bool = False  # which of them did not change while the machine moved, and still do not
 
 
@@ -233,7 +239,9 @@ class ContactFilter:
         memory.left = (memory.left + len(readings.q)) % every
         low, speed, change = self._filtered(memory, readings, ends)
         likelihood, wrenches, misfit = self._evidence(low, speed, change)
-        still, moves = self._still(memory, readings)[ends], np.abs(speed).max(axis=1) > self.noise.moves
+        joints = range(len(self.model.leg.joint_names))
+        count, speeds = self._still(memory, readings)[ends], np.abs(speed[:, joints])
+        moves = speeds.max(axis=1) > self.noise.moves
         unknown = np.where(np.arange(likelihood.shape[1]) == len(self.sets), 0.0, -40.0)
         switched = [link for link in self.feet if link in readings.switches]
         own = [self.feet.index(link) for link in switched]
@@ -249,13 +257,21 @@ class ContactFilter:
             wrong = memory.misfit > self.noise.misfit
             memory.distrusted = self.noise.distrusted if wrong else max(memory.distrusted - BLOCK, 0.0)
             # a frozen encoder explains the rows by another set: only that it was constant in motion tells, and still is
-            memory.frozen = still[k] & (memory.frozen | moves[k])
+            memory.pace = np.where(count[k, joints] < every, speeds[k], memory.pace)
+            rests = np.full(count.shape[1], self.noise.freezes)  # the longest time without a change of a good sensor
+            rests[joints] += memory.step / np.maximum(self.noise.slows * memory.pace, self.noise.creeps)
+            memory.frozen = (count[k] >= rests * self.rate) & (memory.frozen | moves[k])
             if np.any(memory.frozen) or memory.distrusted > 0.0:
                 likelihood[k] = unknown
             score = self.noise.temper * (likelihood[k] - likelihood[k].max()) + surprise
             if flags.size:
                 weight = np.clip(1.5 - 4.0 * memory.disagreement[own], 0.0, 1.0)
-                score = score + self._switch_score(members, flags[k], weight)
+                right = 1.0 - np.abs(members - flags[k, :, None])
+                each = self.noise.switch * right + (1.0 - self.noise.switch) * (1.0 - right)
+                mixed = weight[:, None] * each + 0.5 * (1.0 - weight[:, None])
+                score = (
+                    score + np.log(mixed).sum(axis=0) * BLOCK / self.noise.late
+                )  # one delay is one piece of evidence
             belief = belief * np.exp(score - score.max())
             memory.probability = probability[k] = belief / belief.sum()
             if flags.size:
@@ -263,13 +279,6 @@ class ContactFilter:
                 # 0.3 s: a switch that is 80 ms late stays below half weight, one that is stuck loses all of it
                 memory.disagreement[own] += BLOCK / 0.3 * (np.abs(flags[k] - down) - memory.disagreement[own])
         return Belief(probability, wrenches[range(len(ends)), probability.argmax(axis=1)])
-
-    def _switch_score(self, members: FloatArray, flags: FloatArray, weight: FloatArray) -> FloatArray:
-        """Log-likelihood of the switches under each set; readings of one delay are one piece of evidence."""
-        right = 1.0 - np.abs(members - flags[:, None])
-        each = self.noise.switch * right + (1.0 - self.noise.switch) * (1.0 - right)
-        mixed = weight[:, None] * each + 0.5 * (1.0 - weight[:, None])
-        return np.asarray(np.log(mixed).sum(axis=0) * BLOCK / self.noise.late)
 
     @cached_property
     def _changes(self) -> FloatArray:
@@ -294,8 +303,7 @@ class ContactFilter:
     @cached_property
     def _gains(self) -> FloatArray:
         """Standard deviation of filtered white noise and of its derivatives, (3,)."""
-        impulse = np.zeros(int(self.rate))
-        impulse[0] = 1.0
+        impulse = np.eye(1, int(self.rate))[0]
         return np.array([np.linalg.norm(scipy.signal.sosfilt(sos, impulse)) for sos in self._filters])
 
     def _filtered(
@@ -315,17 +323,18 @@ class ContactFilter:
             out.append(y[ends])
         return out[0], out[1], out[2]
 
-    def _still(self, memory: Memory, readings: ContactReadings) -> BoolArray:
-        """Whether each angle, torque and the gyroscope has not changed at all for a while at each sample, (N, C)."""
+    def _still(self, memory: Memory, readings: ContactReadings) -> NDArray[np.intp]:
+        """Samples for which each angle, torque and the gyroscope has not changed at all, at each sample, (N, C)."""
         spin = readings.gyro @ self.model.leg.plane.lateral  # all that a planar machine turns
         x = np.hstack([readings.q, readings.tau, spin[:, np.newaxis]])
         last = x[0] - 1.0 if memory.last is None else memory.last
         still = np.zeros(x.shape[1], dtype=np.intp) if memory.still is None else memory.still
         row = np.arange(1, len(x) + 1)[:, np.newaxis]
-        changed = np.where(np.diff(x, axis=0, prepend=last[np.newaxis]) != 0.0, row, -still)
-        count = row - np.maximum.accumulate(changed, axis=0)
-        memory.last, memory.still = x[-1], count[-1]
-        return np.asarray(count >= self.noise.freezes * self.rate)
+        change = np.abs(np.diff(x, axis=0, prepend=last[np.newaxis]))
+        count = row - np.maximum.accumulate(np.where(change > 0.0, row, -still), axis=0)
+        steps = np.where(change > 0.0, change, np.inf)[:, : readings.q.shape[1]].min(axis=0)
+        memory.last, memory.still, memory.step = x[-1], count[-1], np.minimum(memory.step, steps)
+        return np.asarray(count)
 
     def _evidence(
         self, low: FloatArray, speed: FloatArray, change: FloatArray

@@ -104,6 +104,19 @@ def test_blocks_that_come_one_by_one_give_the_same_as_a_log(told):
     np.testing.assert_allclose(np.concatenate(pieces), whole, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("bits", [12, 14])
+def test_an_encoder_of_few_bits_is_not_frozen_and_one_that_stops_is_told_soon(told, bits):
+    contacts, _, log = told["walk"]
+    readings, step = study.readings_of(contacts, log), 2.0 * np.pi / 2**bits
+    q = step * np.round(readings.q / step)
+    whole = contacts.advance(contacts.begin(), readings._replace(q=q)).probability
+    assert (whole[:, -1] < 0.5).mean() > 0.98
+    q[1000:, 1] = q[1000, 1]
+    assert (contacts.advance(contacts.begin(), readings._replace(q=q)).probability[210:, -1] > 0.5).mean() > 0.9
+    q[:, 1] = q[0, 1]  # from the beginning
+    assert (contacts.advance(contacts.begin(), readings._replace(q=q)).probability[150:, -1] > 0.5).all()
+
+
 def test_a_frozen_sensor_makes_contacts_unknown_until_it_changes(told):
     contacts, episode, log = told["walk"]
     readings = study.readings_of(contacts, log)
