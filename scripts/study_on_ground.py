@@ -257,7 +257,7 @@ class Event(NamedTuple):
 
 
 SUNK = 500.0
-"""Distance of a joint from the last posture of its function from which the machine has sunk or fallen [mrad]."""
+"""Distance of a joint from where support ended from which the machine has sunk or fallen [mrad]."""
 
 EVENTS = ("frozen joint", "frozen pitch", "slippery ground", "request in between")
 """Names of planted events."""
@@ -335,7 +335,7 @@ def judged(
     seed: int,
     event: Event,
 ) -> FloatArray:
-    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], goes on, safe."""
+    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], sunk, goes on, safe."""
     try:
         run = simulate_on_ground(
             plant,
@@ -349,7 +349,7 @@ def judged(
             seed=seed,
         )
     except ExoidError:
-        return np.array([0.0, *[np.nan] * len(COORDINATED), 0.0, 0.0])
+        return np.array([0.0, *[np.nan] * (len(COORDINATED) + 1), 0.0, 0.0])
     shown = loop.decisions[-len(run.time) :]
     last, names = shown[-1], {contact_name(plant.leg, link): foot for link, foot in run.feet.items()}
     end = "sit" if function.name == "sit" else "stand"
@@ -388,6 +388,9 @@ def judged(
     beside = np.sqrt(np.mean(((run.tau + run.interaction)[:, knees] - plan) ** 2)) / np.sqrt(np.mean(plan**2))
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
     figures.append(100.0 * float(beside) if rail is None and function.name == "squat" else np.nan)
+    stops = [k for k, d in enumerate(shown) if d.level == "damping"]
+    moved = legs_flexion(plant.leg, run.q[[-1, stops[0]]] if stops else run.q[[-1, -1]])
+    figures.append(0.0 if goes_on else 1e3 * float(np.abs(moved[0] - moved[1]).max()))
     figures += [float(goes_on), float(last.function == SAFE or last.level == "damping")]
     return np.array([ended, *figures])
 
@@ -509,10 +512,10 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int, only: str |
     headers = ("cases", "done", "goes on", "safe stop", "neither", "sunk", "support in the air", "torque [N·m]")
     print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
     for event in dict.fromkeys(name for _, name, _ in found):
-        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 3)
+        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 4)
         done, goes_on, safe = (rows[:, [0, -2, -1]] > 0.0).T
         air = rows[:, COORDINATED.index("air [ms]")] > 60.0
-        sunk = rows[:, COORDINATED.index("end [mrad]")] > SUNK
+        sunk = rows[:, -3] > SUNK
         ends = done, goes_on & ~done, safe, ~(done | goes_on | safe), sunk, air
         counts = len(rows), *(int(end.sum()) for end in ends)
         most = np.nanmax(rows[:, COORDINATED.index("torque [N·m]")], initial=0.0)
@@ -533,7 +536,7 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        *cells, knees, _, _ = np.fmax.reduce(rows[:, 1:], axis=0)
+        *cells, knees, _, _, _ = np.fmax.reduce(rows[:, 1:], axis=0)
         print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}" + "".join(f"{x:13.3g}" for x in cells))
         if np.isfinite(knees):
             print(f"{'':20s}torque of the knees beside the plan, RMS: {knees:.1f} %", flush=True)

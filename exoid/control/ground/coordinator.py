@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.control.functions import SEAT, SIDES, Contacts, Function, minimum_jerk
+from exoid.control.functions import PHASE, SEAT, SIDES, Contacts, Function, minimum_jerk
 from exoid.errors import BadArgumentError, nearest
 from exoid.tools.numbers import checked
 
@@ -21,6 +21,13 @@ SAFE = "safe stop"
 RESTS = 0.3
 """Time for which contacts must be known before the safe stop ends, or joints are damped without a footing [s]."""
 
+RISES, JERKS, DAMPING = 0.08, 0.01, 8.0
+"""Times in which the torque may cross its range and reach this rate [s], and damping of the fall-back [N·m·s/rad]."""
+
+KEEPS, TRANSFER, ABOUT, LASTS, LIKELY = 0.15, 0.1, 0.3, 0.1, 0.9
+"""Times for which the last support is kept in doubt, a foot takes its share, a change of contacts may be early or late,
+and an unplanned contact must have been known before it bears [s]; probability from which a leg bears on in doubt."""
+
 
 class Rule(NamedTuple):
     """Row of the table: in a function, a condition leads to another function.
@@ -28,7 +35,7 @@ class Rule(NamedTuple):
     Attributes:
         function: Function that runs.
         condition: "request" of the wearer for the other function, "end" of this one, or "known": contacts and posture
-            are those at which the other one begins.
+            are those at which it begins. Out of :data:`SAFE` any request leads to its nearest phase on these contacts.
         then: Function that follows.
     """
 
@@ -44,6 +51,7 @@ TABLE = (
     *(Rule(name, "request", "stand") for name in ("walk", "stairs up", "stairs down", "slope")),
     Rule(SAFE, "known", "stand"),
     Rule(SAFE, "known", "sit"),
+    Rule(SAFE, "request", "rise"),
 )
 """The usual table. Every function has one more rule, to :data:`SAFE`, where contacts stay unknown or unexpected."""
 
@@ -92,17 +100,8 @@ class Coordinator:
         limit: Largest torque of each joint [N·m], (n,).
         table: Rules of the state machine.
         power: Largest power of a joint [W].
-        rise_time: Time in which the torque may cross its range [s]: the rate is bounded by 2 limit / rise_time.
-        jerk_time: Time in which this rate may be reached [s].
-        damping: Damping of the fall-back [N·m·s/rad].
-        hold: Time for which the last support is kept while contacts are unknown [s]; after it only by contacts that
-            are certain by themselves, such as feet while the seat is in doubt.
         patience: Time after which a request that cannot be granted is dropped, and after which contacts that the
             function does not expect lead to :data:`SAFE` [s].
-        transfer: Time in which a foot takes its share [s].
-        likely: Probability with which a leg bears, among known sets, from which it keeps its load in doubt.
-        about: Time by which a change of contacts may be early or late, and is still expected [s].
-        lasts: Time for which a contact that the function does not plan now must have been known before it bears [s].
         rate: Rate of the decisions [Hz].
 
     Raises:
@@ -114,22 +113,12 @@ class Coordinator:
     limit: FloatArray
     table: Sequence[Rule] = TABLE
     power: float = 500.0
-    rise_time: float = 0.08
-    jerk_time: float = 0.01
-    damping: float = 8.0
-    hold: float = 0.15
     patience: float = 1.5
-    transfer: float = 0.1
-    likely: float = 0.9
-    about: float = 0.3
-    lasts: float = 0.1
     rate: float = 1000.0
 
     def __post_init__(self) -> None:
         """Check numbers and table."""
-        times = [self.rise_time, self.jerk_time, self.hold, self.patience, self.transfer, self.about, self.lasts]
-        checked([*times, self.power, self.damping, self.rate], "numbers of a coordinator", above=0.0)
-        checked(self.likely, "the probability of a coordinator", above=0.0, most=1.0)
+        checked([self.patience, self.power, self.rate], "numbers of a coordinator", above=0.0)
         checked(self.limit, "the limits of a coordinator [N·m]", above=0.0)
         _check_table(self.functions, self.table)
 
@@ -173,14 +162,17 @@ class Coordinator:
             The decision.
 
         Raises:
-            ExoidError: There is no such function.
+            ExoidError: There is no such function, or a number is missing or impossible.
         """
         if request is not None and request not in self.functions:
             remedy = f"{nearest(request, self.functions)}use one of {', '.join(self.functions)}"
             raise BadArgumentError(f"no function {request!r}", remedy=remedy)
-        dt = 1.0 / self.rate
-        best = max(probability, key=lambda each: probability[each])
-        known = probability[best] > CERTAIN
+        chances = [0.0, *probability.values()]
+        if not (min(chances) >= 0.0 and sum(chances) < 1.0 + 1e-6 and np.isfinite(flexion).all()):
+            what = f"probabilities {chances[1:]} of contacts, flexion {np.ravel(flexion)}"
+            raise BadArgumentError(what, remedy="give finite angles, and probabilities with a sum of one at most")
+        dt, best = 1.0 / self.rate, max(probability, key=lambda each: probability[each], default=frozenset[str]())
+        known = probability.get(best, 0.0) > CERTAIN
         memory.settled = memory.settled + dt if known and best == memory.known else 0.0
         if known:
             memory.known, memory.since_known = best, 0.0
@@ -192,7 +184,7 @@ class Coordinator:
         self._advance(memory, best if known else None, flexion, request, dt)
         memory.lost = max(memory.lost - dt, 0.0)
         # a leg that may be in the air bears nothing, whatever the last state was
-        held = memory.since_known < self.hold
+        held = memory.since_known < KEEPS
         doubt = held and not known
         total = max(sum(probability.values()), 1e-9) if doubt else 1.0  # a jolt makes all sets less probable alike
         bears = {name: sum(p for each, p in probability.items() if name in each) / total for name in (*SIDES, SEAT)}
@@ -200,11 +192,11 @@ class Coordinator:
         if memory.function != SAFE:
             function = self.functions[memory.function]
             planned = function.expected(memory.phase)
-            leaving = memory.known - function.expected(memory.phase + self.transfer / function.duration)
+            leaving = memory.known - function.expected(memory.phase + TRANSFER / function.duration)
         kept = []
         for name in (*SIDES, SEAT):  # not in the order of a set, which varies
-            proven = name in planned or memory.settled >= self.lasts  # a foot planned in the air needs lasting proof
-            least = self.likely if doubt and name in planned else CERTAIN
+            proven = name in planned or memory.settled >= LASTS  # a foot planned in the air needs lasting proof
+            least = LIKELY if doubt and name in planned else CERTAIN
             if name in memory.known and proven and bears[name] >= least:
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]
@@ -212,7 +204,7 @@ class Coordinator:
         for name in (*SIDES, SEAT):  # what is left bears less and less in doubt, too
             way = -1.0 if name in leaving else 0.0 if level == "frozen" else 1.0
             # a foot that is felt and then bears next to nothing would be lost again
-            course = max(memory.loaded.get(name, 0.0), 0.3 * (way > 0.0)) + way * dt / self.transfer
+            course = max(memory.loaded.get(name, 0.0), 0.3 * (way > 0.0)) + way * dt / TRANSFER
             memory.loaded[name] = min(max(course, 0.0), 1.0) if name in kept and level != "damping" else 0.0
         if level == "damping" or not feet:
             return Decision(memory.function, memory.phase, "damping", {})
@@ -228,12 +220,12 @@ class Coordinator:
             memory: Memory.
 
         Returns:
-            Sets that it plans within ``about``; none in the safe stop.
+            Sets that it plans within :data:`ABOUT`; none in the safe stop.
         """
         if memory.function == SAFE:
             return frozenset()
         function = self.functions[memory.function]
-        return {function.expected(memory.phase + way / function.duration) for way in (-self.about, 0.0, self.about)}
+        return {function.expected(memory.phase + way / function.duration) for way in (-ABOUT, 0.0, ABOUT)}
 
     def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
         """Bound torque and power, and rate and jerk of the torque.
@@ -251,8 +243,8 @@ class Coordinator:
         """
         dt, most = 1.0 / self.rate, np.fmin(self.limit, self.power / np.maximum(np.abs(v), 1e-6))
         aim = np.clip(np.nan_to_num(wanted, nan=0.0, posinf=0.0, neginf=0.0), -most, most)
-        fastest = 2.0 * self.limit / self.rise_time
-        jerk = fastest / self.jerk_time
+        fastest = 2.0 * self.limit / RISES
+        jerk = fastest / JERKS
         last = np.zeros_like(aim) if memory.torque is None else memory.torque
         slope = np.zeros_like(aim) if memory.slope is None else memory.slope
         error = aim - last
@@ -280,28 +272,24 @@ class Coordinator:
         soon = function.expected(memory.phase + 0.1)
         memory.unexpected = 0.0 if contacts in (expected, soon) else memory.unexpected + dt
         # the phase waits for a contact that is late, and hurries to one that came early
-        pace = 1.0 if contacts in (None, expected) else 1.5 if contacts == soon else 0.3
+        bears = memory.since_known < KEEPS or any(memory.loaded.values())  # without a support it waits, too
+        pace = float(bears) if contacts is None else 1.0 if contacts == expected else 1.5 if contacts == soon else 0.3
         memory.phase += pace * dt / function.duration
         memory.phase = memory.phase % 1.0 if function.cyclic else min(memory.phase, 1.0)
-        if memory.unexpected > self.patience or memory.since_known > max(self.patience, self.hold):
+        if memory.unexpected > self.patience or memory.since_known > max(self.patience, KEEPS):
             self._enter(memory, SAFE)
             return
         for rule in self.table:
             if rule.function != memory.function or rule.then == SAFE:
                 continue
-            asked = rule.condition == "request" and memory.request == rule.then
-            ended = rule.condition == "end" and memory.phase >= 1.0
-            if (asked or ended) and contacts is not None and self._may(memory, rule, contacts, flexion):
+            ended, then = memory.phase >= 1.0, self.functions[rule.then]
+            asked = memory.request == rule.then and (function.cyclic or ended or memory.function == "stand")
+            # a stride begins from standing on both feet
+            begins = frozenset(SIDES) if then.cyclic else then.expected(0.0)
+            may = asked if rule.condition == "request" else rule.condition == "end" and ended
+            if may and contacts == begins and then.near(0.0, flexion):
                 self._enter(memory, rule.then)
                 return
-
-    def _may(self, memory: CoordinatorMemory, rule: Rule, contacts: Contacts, flexion: FloatArray) -> bool:
-        """Whether a function may follow: it is not half-way, and the other one's entry holds."""
-        function, then = self.functions[memory.function], self.functions[rule.then]
-        done = function.cyclic or memory.phase >= 1.0 or memory.function == "stand"
-        # a stride begins from standing on both feet
-        begins = frozenset(SIDES) if then.cyclic else then.expected(0.0)
-        return done and contacts == begins and then.near(0.0, flexion)
 
     def _recover(self, memory: CoordinatorMemory, contacts: Contacts | None, flexion: FloatArray) -> None:
         """Leave the safe stop when contacts were known for long and belong to a function at rest."""
@@ -311,9 +299,13 @@ class Coordinator:
         memory.fell = False
         for rule in self.table:
             then = self.functions.get(rule.then)
-            if rule.function == SAFE and then and contacts == then.expected(1.0) and then.near(1.0, flexion):
-                self._enter(memory, rule.then, 1.0)
-                return
+            if rule.function == SAFE and then and (rule.condition == "known" or memory.request):
+                far = np.abs(then.flexion - flexion).max(axis=(1, 2))  # from the posture at each phase
+                far[[then.expected(phase) != contacts for phase in PHASE]] = np.inf
+                k = len(PHASE) - 1 if rule.condition == "known" else int(far.argmin())
+                if far[k] <= then.room:
+                    self._enter(memory, rule.then, float(PHASE[k]))
+                    return
 
     @staticmethod
     def _enter(memory: CoordinatorMemory, function: str, phase: float = 0.0) -> None:

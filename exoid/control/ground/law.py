@@ -179,10 +179,15 @@ class StanceLaw:
         A[n + 3 : 2 * n + 3] = EFFORT * T
         A[2 * n + 3 :, BASE + n :] = apart
         b = np.zeros(len(A))
-        b[: n + 1] = self._wanted(state, target)
+        a = np.zeros_like(state.q) if target.a is None else target.a
+        e = np.append(target.q - state.q, target.pitch - state.pitch)
+        rate = np.append(target.v - state.v, target.pitch_rate - state.pitch_rate)
+        b[: n + 1] = np.append(a, target.pitch_acceleration) + self.kp * e + self.kd * rate
         b[n + 3 : 2 * n + 3] = -EFFORT * bias[joints]
         # what springs and friction take is part of the limit
-        added = self._added(state)
+        added = self.model.springs(state.q)
+        if self.friction is not None:
+            added = added + self.friction.torque(self.model, State(state.q, state.v), Target(state.q, state.v))
         limit = np.minimum(self.limit, self.power / np.maximum(np.abs(state.v), 1e-9))
         least, most = -limit - added - bias[joints] - T @ x, limit - added - bias[joints] - T @ x
         F, low, top = self._forces(rows, shares / max(shares.sum(), 1e-9))
@@ -258,22 +263,8 @@ class StanceLaw:
         pose = state.q, state.v, float(state.pitch), float(state.pitch_rate)
         dynamics = self.model.dynamics(*pose)
         cone = self.ground_friction, self.margin, state.lean
-        rows = [self.model.contact(link, state.contacts[link], *pose, *cone) for link in shares]
+        rows = [self.model.contact(link, state.contacts[link], pose, cone) for link in shares]
         return dynamics, rows, np.array(list(shares.values()))
-
-    def _wanted(self, state: GroundState, target: GroundTarget) -> FloatArray:
-        """Accelerations of joints and pitch that the reference and its feedback ask for, (n + 1,)."""
-        a = np.zeros_like(state.q) if target.a is None else target.a
-        e = np.append(target.q - state.q, target.pitch - state.pitch)
-        rate = np.append(target.v - state.v, target.pitch_rate - state.pitch_rate)
-        return np.asarray(np.append(a, target.pitch_acceleration) + self.kp * e + self.kd * rate)
-
-    def _added(self, state: GroundState) -> FloatArray:
-        """Torque of springs, and compensation of friction, (n,)."""
-        springs = self.model.springs(state.q)
-        if self.friction is None:
-            return springs
-        return springs + self.friction.torque(self.model, State(state.q, state.v), Target(state.q, state.v))
 
     def _forces(self, rows: list[ContactRows], shares: FloatArray) -> Rows:
         """Bounds of forces over the weight: cones of all contacts, then the normal force of each by its share."""

@@ -14,7 +14,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import GroundMotion, GroundReading
 
-from .coordinator import Coordinator, Decision
+from .coordinator import DAMPING, Coordinator, Decision
 from .hypotheses import BLOCK, ContactFilter, ContactReadings
 from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw
 from .model import BRAKE
@@ -43,6 +43,9 @@ ASTRAY, UNLIKE, AGREES, HOLDS = 0.45, 0.4, 1.2, 0.02
 BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
 """Time for which the accelerometer tells a velocity [s], that of a sole at rest [m/s], and slips that count [m]."""
 # From the first the ground is slippery, and a seat is not left; from the second the footing is lost.
+
+GIVES, SLOWS = 0.3, 0.05
+"""Error at which a joint that holds its posture has all of its torque [rad], and damping over its stiffness [s]."""
 
 SLIPPERY, STEEPER, CAUTION = 0.08, 1.5, 0.7
 """Least ratio of forces at which a sole slips, alone and over the slope of the ground, and its share for the law."""
@@ -205,6 +208,7 @@ class CoordinatedLoop(LawLoop):
         self._late = dict.fromkeys(SIDES, 0.0)  # time for which a planned foot has not borne [s]
         self._speed = 0.0  # of the torso along the ground [m/s]
         self._slipped: dict[str, float] = {}  # way of each sole that bears [m]
+        self._held: tuple[FloatArray, FloatArray] | None = None  # torque and posture of the last support
         self._beside = 0.0  # mean error of what the soles bear, beside what the law wants, over the weight
 
     def __call__(self, reading: GroundReading) -> FloatArray:
@@ -226,10 +230,22 @@ class CoordinatedLoop(LawLoop):
         target, plan = self._follow(*before, reading, frozenset(decision.shares))
         torque = self.supported(reading, shares, target, plan, reading.interaction)
         self._watch(reading, {} if torque is None or self.state is None else self.state.contacts)
-        wanted = -self.coordinator.damping * reading.v if torque is None else torque
+        wanted = self._hold(reading) if torque is None else torque
         if self._memory.torque is None:
             self._memory.torque = wanted  # brakes hold the machine until then
-        return self.coordinator.bound(self._memory, wanted, reading.v)
+        given = self.coordinator.bound(self._memory, wanted, reading.v)
+        self._held = self._held if torque is None else (given, reading.q)
+        return given
+
+    def _hold(self, reading: GroundReading) -> FloatArray:
+        """Torque without support: stiffly about the last posture with it; of damping where the footing was lost."""
+        if self._held is None or self._memory.fell:
+            return -DAMPING * reading.v
+        (torque, q), known = self._held, self._memory.known
+        # a joint whose reading froze has no error and no speed: it keeps its torque, but not in a leg in the air
+        frozen, bears = np.resize(self._told.frozen, len(q)), np.repeat([side in known for side in SIDES], len(q) // 2)
+        stiff = self.coordinator.limit / GIVES
+        return np.where(frozen, bears * torque, torque + stiff * (q - reading.q - SLOWS * reading.v))
 
     def _tell(self, reading: GroundReading) -> None:
         """Feed the filter, in whole blocks, with the torque that acted until now."""
@@ -254,7 +270,7 @@ class CoordinatedLoop(LawLoop):
         rates = np.append(reading.pitch_rate * np.array([-hip.imag, hip.real, 1.0]), reading.v)
         pose = reading.q, reading.v, reading.pitch, reading.pitch_rate
         speeds = {
-            link: float(model.contact(link, kind, *pose, 1.0, 0.0, self.lean).J[0] @ rates)
+            link: float(model.contact(link, kind, pose, (1.0, 0.0, self.lean)).J[0] @ rates)
             for link, kind in contacts.items()
             if link in self.contacts.feet  # a seat may slide
         }
@@ -294,7 +310,7 @@ class CoordinatedLoop(LawLoop):
         if curve is None:
             still = np.zeros(self.law.model.n + 1)
             self._off[:] = self._since[:] = 0.0
-            if self._x is None or not bears:
+            if self._x is None or (now.fell and not bears):
                 self._x = np.append(q, reading.pitch)
             return _target(self._x, still, still), None
         x, slope, bend = (curve(now.phase, k) for k in range(3))

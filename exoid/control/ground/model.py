@@ -157,18 +157,10 @@ class GroundModel(ControlModel):
         return Dynamics(B.T @ M @ B, B.T @ h)
 
     def contact(
-        self,
-        link: str,
-        kind: str,
-        q: FloatArray,
-        v: FloatArray,
-        pitch: float,
-        pitch_rate: float,
-        friction: float,
-        margin: float,
-        lean: float,
+        self, link: str, kind: str, pose: tuple[FloatArray, FloatArray, float, float], cone: tuple[float, float, float]
     ) -> ContactRows:
-        """Form the rows of a contact in the state of the last :meth:`dynamics`."""
+        """Form the rows of a contact in the pose of the last :meth:`dynamics`, given friction, margin and lean."""
+        (q, v, pitch, pitch_rate), (friction, margin, lean) = pose, cone
         # A flat sole has the ground's axes, its force and its moment about its middle. A heel, a toe or a point has a
         # force along and across ground that leans. The centre of pressure is a margin from the ends of a flat sole.
         frame, half = self.places[link]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import BoolArray
 from exoid.control.functions import FUNCTIONS, SEAT, SIDES, Body, contact_name, legs_flexion
-from exoid.control.ground.coordinator import SAFE, Coordinator
+from exoid.control.ground.coordinator import DAMPING, SAFE, Coordinator
 from exoid.control.ground.hypotheses import BLOCK, Belief, ContactFilter, ContactReadings
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
@@ -369,7 +369,7 @@ def _one_event(
         decision = coordinator.decide(memory, chances, flexion[j], request.get(j))
         v = run.v[piece][ends[j]]
         wanted = 3.0 * arrays[1][ends[j]]  # three times too much
-        torque = coordinator.bound(memory, -coordinator.damping * v if decision.level == "damping" else wanted, v)
+        torque = coordinator.bound(memory, -DAMPING * v if decision.level == "damping" else wanted, v)
         power = np.abs(torque * v) > coordinator.power * (1.0 + 1e-9)
         beyond |= bool((np.abs(torque) > coordinator.limit * (1.0 + 1e-9)).any() or power.any())
         for side in SIDES:

@@ -12,11 +12,12 @@ import pytest
 from exoid import ExoidError
 from exoid.control.functions import FUNCTIONS, SIDES, Body, joint_angles
 from exoid.control.ground import SAFE, ContactFilter, CoordinatedLoop, Coordinator, Rule, stance
+from exoid.control.ground.coordinator import RISES
 from exoid.experiments import ground
 from exoid.experiments.ground.stance import HAND_RAIL
 from exoid.lab.coordination import study
 from exoid.rig import Rates
-from exoid.rig.ground import HEALTHY, PASSIVE, GroundMotion, GroundSensors, simulate_on_ground
+from exoid.rig.ground import HEALTHY, PASSIVE, GroundMotion, GroundReading, GroundSensors, simulate_on_ground
 from exoid.rig.ground.plant import BLEEX_SOLES, Block
 from exoid.rig.ground.plant import SEAT as SEAT_SOLE
 from exoid.torques.model import TorqueModel
@@ -60,7 +61,7 @@ def test_it_stands_on_what_is_told_and_keeps_rate_and_limits_of_torque(machine):
     assert {(d.function, d.level) for d in loop.decisions} <= {("stand", "support"), ("stand", "frozen")}
     assert all(set(d.shares) == {*SIDES} for d in loop.decisions)
     assert np.abs(run.q - run.q[0]).max() < 0.05
-    fastest = 2.0 * loop.coordinator.limit / loop.coordinator.rise_time / RATES.control
+    fastest = 2.0 * loop.coordinator.limit / RISES / RATES.control
     assert (np.abs(np.diff(run.tau, axis=0)) <= fastest + 1e-9).all()
 
 
@@ -73,6 +74,24 @@ def test_a_wrong_model_of_the_contacts_ends_in_damping_and_the_safe_stop(machine
     assert (loop.decisions[-1].function, loop.decisions[-1].level) == (SAFE, "damping")
     assert (run.tau[-20:] * run.v[-20:]).sum() <= 0.0
     assert (np.abs(run.tau) <= machine.leg.limits.effort + 1e-9).all()
+
+
+def test_a_machine_whose_contacts_become_unknown_holds_its_posture_but_no_joint_in_the_air_that_froze(
+    machine, monkeypatch
+):
+    loop, told = loop_of(machine, {}), np.zeros(13, dtype=bool)
+    chances = lambda self, reading: self.__dict__.update(_chances={frozenset(SIDES): float(reading.time < 0.0)})  # noqa: E731
+    monkeypatch.setattr(CoordinatedLoop, "_tell", chances)
+    loop.coordinator = replace(loop.coordinator, patience=0.2)
+    run = run_of(machine, loop, "stand", 0.0, 1.0, PASSIVE)
+    assert (loop.decisions[-1].function, loop.decisions[-1].level) == (SAFE, "damping")
+    assert np.abs(run.q[-1] - run.q[0]).max() < 0.05
+    told[1], loop._told.frozen, loop._memory.known = True, told, frozenset(("right",))
+    reading = GroundReading(2.0, run.q[-1], run.v[-1], 0.0, 0.0, {}, np.zeros(3), np.zeros(3), np.zeros(6))
+    torque, (last, _) = loop._hold(reading), loop._held
+    assert torque[1] == 0.0 != last[1]
+    told[[1, 4]] = False, True
+    assert loop._hold(reading)[4] == last[4]
 
 
 def test_filter_and_coordinator_have_one_rate_and_requests_are_of_functions(machine):

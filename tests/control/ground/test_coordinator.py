@@ -5,7 +5,7 @@ import pytest
 
 from exoid import ExoidError, load_exo
 from exoid.control.functions import FUNCTIONS, SEAT, Body
-from exoid.control.ground.coordinator import SAFE, TABLE, Coordinator, Rule
+from exoid.control.ground.coordinator import JERKS, RISES, SAFE, TABLE, Coordinator, Rule
 from exoid.rig.ground.plant import BLEEX_SOLES
 
 BODY = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES)
@@ -83,6 +83,24 @@ def test_a_lost_footing_is_damped_and_the_stop_ends_by_a_request_only():
     assert run(machine, memory, BOTH, 0.5, request="stand").function == "stand"
 
 
+def test_who_sits_down_without_a_chair_stops_on_both_feet_and_rises_when_asked():
+    machine, deep = coordinator(), ALL["sit"].flexion[-1]
+    memory = machine.begin("sit", 0.8)
+    assert run(machine, memory, BOTH, 3.0, deep)[::2] == (SAFE, "support")
+    risen = run(machine, memory, BOTH, 0.02, deep, "stand")
+    assert risen[:1] == ("rise",)
+    assert 0.15 <= risen.phase < 0.2
+    assert run(machine, memory, BOTH, 2.5, ALL["stand"].flexion[0])[::2] == ("stand", "support")
+
+
+@pytest.mark.parametrize("odd", [({BOTH: 1.0, LEFT: 1.0}, 0.0), ({BOTH: np.nan}, 0.0), ({BOTH: 1.0}, np.nan)])
+def test_impossible_probabilities_and_missing_angles_are_refused_and_none_is_unknown(odd):
+    machine = coordinator()
+    with pytest.raises(ExoidError, match="probabilities"):
+        machine.decide(machine.begin(), odd[0], ALL["stand"].flexion[0] + odd[1])
+    assert machine.decide(machine.begin(), {}, ALL["stand"].flexion[0]).level == "damping"
+
+
 @pytest.mark.slow
 def test_no_leg_that_may_be_in_the_air_bears_load():
     """Random probabilities, requests and postures: what the last state was does not matter."""
@@ -110,9 +128,9 @@ def test_the_torque_moves_with_bounded_rate_and_jerk_and_arrives():
     memory, aim, still = machine.begin(), np.array([100.0, -80.0, 20.0] * 2), np.zeros(6)
     torque = np.array([machine.bound(memory, aim, still) for _ in range(200)])
     rate = np.diff(torque, axis=0, prepend=0.0) * machine.rate
-    fastest = 2.0 * LIMIT / machine.rise_time
+    fastest = 2.0 * LIMIT / RISES
     assert (np.abs(rate) <= fastest + 1e-6).all()
-    assert (np.abs(np.diff(rate, axis=0)) * machine.rate <= fastest / machine.jerk_time + 1e-3).all()
+    assert (np.abs(np.diff(rate, axis=0)) * machine.rate <= fastest / JERKS + 1e-3).all()
     np.testing.assert_allclose(torque[-1], aim, rtol=0, atol=1e-2)
     assert (np.abs(torque).max(axis=0) <= np.abs(aim) + 0.01 * LIMIT).all()
     assert np.isfinite(machine.bound(memory, missing := np.full(6, np.nan), missing)).all()

@@ -129,8 +129,11 @@ def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
     target = target_of(state)
     command = law.command(state, target)
     dynamics = law.model.dynamics(state.q, state.v, 0.1, 0.2)
-    rows = law.model.contact("left_foot", "flat", state.q, state.v, 0.1, 0.2, 1.0, 0.0, 0.0)
-    wanted = np.concatenate([np.zeros(2), law._wanted(state, target)[[6]], law._wanted(state, target)[:6]])
+    rows = law.model.contact("left_foot", "flat", (state.q, state.v, 0.1, 0.2), (1.0, 0.0, 0.0))
+    error = np.append(target.q - state.q, target.pitch - state.pitch)
+    rate = np.append(target.v - state.v, target.pitch_rate - state.pitch_rate)
+    asked = np.append(target.a, target.pitch_acceleration) + law.kp * error + law.kd * rate
+    wanted = np.concatenate([np.zeros(2), asked[[6]], asked[:6]])
     size = np.array([1e-3, 1e-3, 1.0, *np.ones(6)])
     KKT = np.block([[np.diag(size**2), rows.J.T], [rows.J, np.zeros((3, 3))]])
     best = np.linalg.solve(KKT, np.concatenate([size**2 * wanted, -rows.drift]))[:9]
