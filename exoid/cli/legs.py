@@ -105,8 +105,21 @@ def _moving_joints(urdf: Path, logged: Sequence[str], followed: Sequence[str]) -
             remedy=f"map the log's columns, e.g. --column q_{joints[0]}=HEADER --column tau_{joints[0]}=HEADER",
         )
     if held := [joint for joint in joints if joint not in moving]:
+        _refuse_followers(urdf, held, moving)
         note(f"not in the log, and held at zero: {', '.join(held[:6])}{', …' if len(held) > 6 else ''}")
     return moving
+
+
+def _refuse_followers(urdf: Path, held: Sequence[str], moving: Sequence[str]) -> None:
+    """Refuse to hold a joint that follows one of the log by a gear or a rod (<mimic>): it moves, too."""
+    from exoid.leg.description import read_description  # noqa: PLC0415 - help needs no legs
+
+    every = read_description(urdf).parse().iterfind("joint")
+    for name, leader in ((joint.get("name"), one.get("joint")) for joint in every for one in joint.iterfind("mimic")):
+        if name in held and leader in moving:
+            what = f"{name} follows {leader} in the URDF (<mimic>), which exoid does not read, and is not in the log"
+            remedy = "describe what couples them as a loop (--loops); if it hardly moves, hold it: --joints "
+            raise BadArgumentError(what, where=str(urdf), remedy=remedy + ",".join(moving))
 
 
 def refuse_without_base(options: LegOptions, recordings: Sequence[Recording | Poses]) -> None:

@@ -311,7 +311,7 @@ def for_leg(model: RegressorModel, recording: Measured) -> Measured:
     raise UnreadableInputError(
         f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
         where=recording.file_name,
-        remedy="rename its columns, or map them: columns={'q_" + missing[0] + "': '<header>', ...}",
+        remedy="map its columns, columns={'q_" + missing[0] + "': '<header>', ...}, or hold it (joints= of the leg)",
         command=f"rename its columns, or map them: --column q_{missing[0]}=HEADER --column tau_{missing[0]}=HEADER",
         joints=tuple(missing),
     )

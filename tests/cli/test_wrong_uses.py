@@ -176,6 +176,13 @@ def test_a_joint_that_a_log_does_not_have_is_held_and_named(run):
     assert "J2" not in done.out
 
 
+def test_a_joint_that_follows_one_of_the_log_is_not_held(run, tmp_path):
+    (tmp_path / "mimic.urdf").write_text('<mimic joint="hip"/></joint>'.join(URDF.rsplit("</joint>", 1)))
+    done = run("identify mimic.urdf no_knee.csv")
+    assert "knee follows hip" in done.err
+    assert "--joints hip" in done.err
+
+
 def test_estimates_by_two_urdfs_are_compared_with_a_word_on_it(run, tmp_path):
     (tmp_path / "heavy.urdf").write_text(URDF.replace('value="2"', 'value="3"', 1), encoding="utf-8")
     assert run("identify heavy.urdf log.csv -o heavy.json").code == 0
