@@ -33,13 +33,15 @@ def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None)
     model, problem, rows = fitted.models[group], fitted.problem, fitted.problem.groups[group]
     place = problem.layout.groups.index(rows.name)
     names = problem.layout.names_of(place)
-    known = problem.layout.known_by(place, problem.prior_knowledge).known
+    knowledge = problem.layout.known_by(place, problem.prior_knowledge)
+    # a coefficient that is known to be zero was left out
+    told = {name: (value, 0.0) for name, value in knowledge.known.items() if value} | dict(knowledge.prior.values)
     held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
-    fixed = np.array([{**known, **held}.get(name, np.nan) for name in model.names])
+    fixed = np.array([{**knowledge.known, **held}.get(name, np.nan) for name in model.names])
     errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
     arms = {} if rows.actuators is None else arm_shapes(rows.actuators, model.leg)
     assert rows.preparation is not None
-    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors, arms)
+    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors, arms, told)
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:

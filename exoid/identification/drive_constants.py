@@ -86,11 +86,9 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
         point = step.take()
     for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
         if std > WEAKLY * value:
-            raise NotIdentifiableError(
-                f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings",
-                remedy=f"use a heavier payload or longer recordings: {ADVICE}",
-                command=f"use a heavier payload or longer recordings: {COMMAND}",
-            )
+            what = f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings"
+            remedy, command = (f"use a heavier payload or longer recordings: {each}" for each in (ADVICE, COMMAND))
+            raise NotIdentifiableError(what, remedy=remedy, command=command)
     settled = step.is_small and not step.at_bounds
     unsettled = () if settled else (f"{', '.join(names)} have not settled in {ROUNDS} rounds",)
     nonlinear = NonlinearParameters(

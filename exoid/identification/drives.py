@@ -66,10 +66,8 @@ def refuse_beside_unknown(
             )
     told = [name for name in constants if name in names]
     if told:
-        raise BadArgumentError(
-            f"{', '.join(told)} is a constant of a drive, not a parameter of the leg",
-            remedy="give the number to the drive: Motor(torque_constant=...)",
-        )
+        text = f"{', '.join(told)} is a constant of a drive, not a parameter of the leg"
+        raise BadArgumentError(text, remedy="give the number to the drive: Motor(torque_constant=...)")
 
 
 def computed_joints(leg: Leg, data: Data, actuators: Actuators) -> set[str]:

@@ -63,9 +63,8 @@ def begin(
     chosen = terms_of(next(iter(pairs.values()))[0], terms)
     wrong = [item for item in chosen if not isinstance(item, Term)]
     if wrong:
-        raise BadArgumentError(
-            f"{wrong[0]!r} is no term", remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())"
-        )
+        what = f"{wrong[0]!r} is no term"
+        raise BadArgumentError(what, remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     mounted: dict[str, Actuators] = {}
     if actuators is not None:
         pairs, mounted = drive_groups(pairs, actuators)
@@ -78,10 +77,8 @@ def begin(
         refuse_beside_unknown(mounted, estimator, chosen, delay, knowledge.names)
     loaded = [type(term).__name__ for term in chosen if term.loaded]
     if len(pairs) > 1 and loaded:
-        raise NotSupportedError(
-            f"{', '.join(loaded)}: several groups are fitted together only where torque is linear in all parameters",
-            remedy="leave LoadFriction out, or identify them one by one",
-        )
+        what = f"{', '.join(loaded)}: several groups are fitted together only where torque is linear in all parameters"
+        raise NotSupportedError(what, remedy="leave LoadFriction out, or identify them one by one")
     groups = tuple(
         Group(name, model_with(of_group, chosen, knowledge.known), data, actuators=mounted.get(name))
         for name, (of_group, data) in pairs.items()

@@ -27,20 +27,17 @@ def pair_groups(
 ) -> dict[str, tuple[Leg, Data]]:
     """Bring legs and recordings together by the names of the groups; a recording without a name has a number."""
     if own is None and not isinstance(recordings, Mapping):
-        raise BadArgumentError(
-            "legs have names, recordings have none", remedy='name both: {"left": leg}, {"left": log}'
-        )
+        what = "legs have names, recordings have none"
+        raise BadArgumentError(what, remedy='name both: {"left": leg}, {"left": log}')
     named = recordings if isinstance(recordings, Mapping) else _by_source(check_recordings(recordings))
     if not named:
         raise BadArgumentError("no recordings", remedy='pass groups such as {"left": [...], "right": [...]}')
     if isinstance(legs, Mapping) and set(legs) != set(named):
-        raise BadArgumentError(
-            f"legs are of {', '.join(legs)}, recordings of {', '.join(named)}", remedy="use the same names for both"
-        )
+        what = f"legs are of {', '.join(legs)}, recordings of {', '.join(named)}"
+        raise BadArgumentError(what, remedy="use the same names for both")
     if len({str(name) for name in named}) < len(named):
-        raise BadArgumentError(
-            f"two groups have the same name: {', '.join(map(str, named))}", remedy="name them otherwise"
-        )
+        what = f"two groups have the same name: {', '.join(map(str, named))}"
+        raise BadArgumentError(what, remedy="name them otherwise")
     pairs = {}
     for name, data in named.items():
         with within(name):

@@ -147,15 +147,12 @@ def identify(
         raise BadArgumentError(f"no delay {delay!r}", remedy="the only one is auto; or leave it out")
     chosen, by_noise = find_estimator(estimator), preparation is None and cutoff is None
     if preparation is not None and cutoff is not None:
-        raise BadArgumentError(
-            "cutoff is that of the parallel filter, which preparation replaces", remedy="pass one of them"
-        )
+        what = "cutoff is that of the parallel filter, which preparation replaces"
+        raise BadArgumentError(what, remedy="pass one of them")
     if not by_noise and getattr(chosen, "fits_samples", False):
         given = "cutoff" if preparation is None else "preparation"
-        raise BadArgumentError(
-            f"{name_of(chosen)} fits samples as they were recorded, so that {given} does not apply",
-            remedy=f"leave {given} out, or use wls",
-        )
+        what = f"{name_of(chosen)} fits samples as they were recorded, so that {given} does not apply"
+        raise BadArgumentError(what, remedy=f"leave {given} out, or use wls")
     knowledge = PriorKnowledge(known or {}, prior if isinstance(prior, Prior) else Prior(prior or {}), nonnegative)
     if alike and (own is not None or isinstance(recordings, Mapping)):
         raise BadArgumentError("alike= is for limbs of one machine, and own= for groups", remedy="pass one of them")

@@ -62,11 +62,8 @@ def _start(given: Problem) -> FloatArray:
     # Columns of friction under load below this part of the torque count as zero
     unloaded = [n for n, size in zip(given.names, columns, strict=False) if n in loads and size <= 1e-6 * columns[-1]]
     if unloaded:
-        raise NotIdentifiableError(
-            f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on",
-            remedy="leave out LoadFriction at these joints",
-            parameters=tuple(unloaded),
-        )
+        what = f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on"
+        raise NotIdentifiableError(what, remedy="leave out LoadFriction at these joints", parameters=tuple(unloaded))
     return values
 
 

@@ -66,9 +66,8 @@ class Problem:
     def single(self) -> Group:
         """The only group."""
         if len(self.groups) > 1:
-            raise NotSupportedError(
-                "this estimator is for one leg alone, and there are several groups", remedy="use one of huber, ols, wls"
-            )
+            what = "this estimator is for one leg alone, and there are several groups"
+            raise NotSupportedError(what, remedy="use one of huber, ols, wls")
         return self.groups[0]
 
     def changed(self, **changes: object) -> Problem:

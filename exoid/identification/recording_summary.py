@@ -60,9 +60,8 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
     mask = chosen.mask if isinstance(chosen, Recording) else None
     counted = slice(None) if mask is None else mask
     if mask is not None and not mask.any():
-        raise NotIdentifiableError(
-            "no sample counts: the mask is 0 everywhere", where=data.file_name, remedy="leave the recording out"
-        )
+        what = "no sample counts: the mask is 0 everywhere"
+        raise NotIdentifiableError(what, where=data.file_name, remedy="leave the recording out")
     q = np.ascontiguousarray(chosen.q[counted].T)  # joint by joint is eight times as fast
     tau = None if chosen.tau is None else chosen.tau[counted]
     return RecordingSummary(
@@ -100,12 +99,9 @@ def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary
         own = model.own_parameters(joint)
         if not (own and set(own) <= set(known)):
             others = tuple(other for other in names if other != name)
-            raise NotIdentifiableError(
-                f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified",
-                where=_sources(summaries),
-                remedy=f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})",
-                joints=(name,),
-            )
+            what = f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified"
+            remedy = f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})"
+            raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy, joints=(name,))
 
 
 def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary]) -> None:
@@ -119,11 +115,9 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     if not driven.any():
         if any(one.pulled for one in summaries):
             return  # what moves the leg is known in N and N·m
-        raise NotIdentifiableError(
-            "no joint has a measured torque: without one, only ratios of parameters could be found",
-            where=_sources(summaries),
-            remedy="record the torque of a joint that is not passive, or the wrench that moves the leg",
-        )
+        what = "no joint has a measured torque: without one, only ratios of parameters could be found"
+        remedy = "record the torque of a joint that is not passive, or the wrench that moves the leg"
+        raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy)
     values = np.array([torques.first for torques in every])
     first = values[driven.argmax(axis=0), np.arange(len(values[0]))]
     same = np.array([torques.constant for torques in every]) & (values == first)

@@ -57,11 +57,9 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     most = max((float(np.nanmax(np.abs(one.tau), initial=0.0)) for one in data if one.tau is not None), default=0.0)
     if most > STRONGEST:  # a sole that gives way under it would turn the base over
-        raise UnreadableInputError(
-            f"a torque of {most:.6g} N·m (limit {STRONGEST:g} N·m on the ground) looks like N·mm",
-            where=data[0].file_name,
-            remedy="give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000",
-        )
+        what = f"a torque of {most:.6g} N·m (limit {STRONGEST:g} N·m on the ground) looks like N·mm"
+        remedy = "give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000"
+        raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy)
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
     every, of_session = _split_session(model.leg, data, smears)
@@ -79,12 +77,9 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         measured = np.logical_or.reduce([one.measured for one in data])
         if support.axes is not None and not measured.all():
             missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
-            raise UnreadableInputError(
-                f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all",
-                where=data[0].file_name,
-                remedy=f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)",
-                joints=tuple(missing),
-            )
+            what = f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all"
+            remedy = f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)"
+            raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy, joints=tuple(missing))
         cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
         groups.append(
             replace(

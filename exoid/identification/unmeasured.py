@@ -19,10 +19,8 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
     """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known."""
     # Friction of a joint leaves no trace in the torques of other joints.
     if getattr(estimator, "fits_samples", False):
-        raise NotSupportedError(
-            f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured",
-            remedy="use wls, huber or ols",
-        )
+        what = f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured"
+        raise NotSupportedError(what, remedy="use wls, huber or ols")
     labels, given = problem.groups[0].model.leg.joint_labels, problem.given
     known = {*(name.partition("[")[0] for name in given.known), *given.prior.values}
     kept = []
@@ -44,9 +42,8 @@ def unmeasured_finding(group: Group) -> tuple[Finding, ...]:
         without = sum(not of_one.measured[place] for of_one in torques)
         if not without:
             continue
-        message = (
-            f"the torque of {joint} was not measured in {without} of {len(torques)} logs, which have no rows of it"
-        )
+        logs = f"{without} of {len(torques)} logs"
+        message = f"the torque of {joint} was not measured in {logs}, which have no rows of it"
         remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
         found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
     return tuple(found)

@@ -25,9 +25,8 @@ def find_estimator(given: str | Estimator) -> Estimator:
     if callable(given) and not isinstance(given, type):  # a class in place of its object
         return given
     if not isinstance(given, str):
-        raise BadArgumentError(
-            f"{given!r} is no estimator", remedy="pass a function of a problem, or an object that can be called"
-        )
+        what = f"{given!r} is no estimator"
+        raise BadArgumentError(what, remedy="pass a function of a problem, or an object that can be called")
     if given not in ESTIMATORS:
         remedy = f"{nearest(given, ESTIMATORS)}use one of {', '.join(ESTIMATORS)}"
         raise BadArgumentError(f"no estimator {given!r}", remedy=f"{remedy}, or pass a function", command=remedy)
@@ -45,8 +44,6 @@ def fit_linear(problem: Problem, estimator: Estimator) -> Fitted:
     fit = estimator(problem)
     if not isinstance(fit, Fit) or len(fit.weights) != count:
         found = f"{len(fit.weights)} weights" if isinstance(fit, Fit) else type(fit).__name__
-        raise BadArgumentError(
-            f"the estimator {name_of(estimator)} returned {found}",
-            remedy=f"let it return a Fit with one weight for each of the {count} R factors",
-        )
+        what = f"the estimator {name_of(estimator)} returned {found}"
+        raise BadArgumentError(what, remedy=f"let it return a Fit with one weight for each of the {count} R factors")
     return Fitted(problem, fit, tuple(group.model for group in problem.groups), NO_NONLINEAR_PARAMETERS, fit.warnings)

@@ -61,9 +61,8 @@ class JointML:
     def __post_init__(self) -> None:
         """Check the spacing."""
         if self.spacing is not None and not 0.0 < self.spacing < math.inf:
-            raise BadArgumentError(
-                f"knots every {self.spacing} s", remedy="give a positive spacing in seconds, or None"
-            )
+            what = f"knots every {self.spacing} s"
+            raise BadArgumentError(what, remedy="give a positive spacing in seconds, or None")
 
     @property
     def name(self) -> str:
@@ -101,10 +100,8 @@ class JointML:
             if spacing / LADDER >= FINEST * interval * (1.0 - 1e-9):
                 spacing /= LADDER
         elif spacing < CLOSEST * interval * (1.0 - 1e-9):
-            raise BadArgumentError(
-                f"knots every {spacing:g} s are closer than {CLOSEST:g} samples",
-                remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None",
-            )
+            what = f"knots every {spacing:g} s are closer than {CLOSEST:g} samples"
+            raise BadArgumentError(what, remedy=f"choose a spacing of at least {CLOSEST * interval:.3g} s, or None")
         found = fit(moving, values=values, spacing=spacing)
         # noise is that of the filtered rows too, as for other estimators
         solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
@@ -132,9 +129,8 @@ def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) ->
         usable *= ~around_stops(slow, parallel)
     if recording.mask is not None:
         usable *= recording.mask[:, None]
-    return Moving(
-        recording.time, recording.q, np.asarray(recording.tau), usable, q, base_during(recording, preparation)
-    )
+    base = base_during(recording, preparation)
+    return Moving(recording.time, recording.q, np.asarray(recording.tau), usable, q, base)
 
 
 def _on(moving: Sequence[Moving], found: MotionFit) -> list[Moving]:

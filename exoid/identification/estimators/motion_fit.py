@@ -74,9 +74,8 @@ def fit_motion(
             break
     motions = [t.at_samples(c)[0] for t, c in zip(system.trajectories, state.coefficients, strict=True)]
     criterion = system.criterion(system.residuals(state), levels)
-    return MotionFit(
-        solution._replace(values=state.values), spacing, levels, motions, criterion, converged, system, state
-    )
+    solution = solution._replace(values=state.values)
+    return MotionFit(solution, spacing, levels, motions, criterion, converged, system, state)
 
 
 def _as_triangle(matrix: FloatArray, right: FloatArray, redundancy: int) -> RFactor:

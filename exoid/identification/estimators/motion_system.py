@@ -100,9 +100,8 @@ class System(NamedTuple):
             W, to_motion = respond(self.model, state.values, motion)
             weight = data.usable / levels.torque
             to_motion *= weight[None, :, :, None]
-            J = sum(
-                d[:, :, None, :] * near[:, None, :, None] for d, near in zip(to_motion, trajectory.basis, strict=True)
-            )
+            pairs = zip(to_motion, trajectory.basis, strict=True)
+            J = sum(d[:, :, None, :] * near[:, None, :, None] for d, near in pairs)
             residual = (data.tau - torque(W.transpose(2, 1, 0), state.values)) * weight
             angle = (data.q - motion.q) / levels.angle
             J = np.reshape(J, (len(weight), weight.shape[1], -1))

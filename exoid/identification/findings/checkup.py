@@ -13,6 +13,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.late_velocity import late_velocities
+from exoid.regression.least_squares import TINY
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
@@ -21,7 +22,8 @@ from exoid.torques import TorqueModel
 from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
 from .efforts import missing_gravity, unsigned_torques
-from .evidence import Evidence
+from .evidence import Evidence, torque_shares
+from .kinds import FORMS
 from .loop_gap import loop_gaps
 from .physics import CheckedFit, impossible_leg, large_residuals, torque_scale, turned_segment
 from .readings import POOR, gross_findings
@@ -30,6 +32,8 @@ from .sample import FittedLeg, few_of, gather, segments
 from .score import State
 from .search import find_faults, findings_of
 from .timing import angle_jumps, missing_samples, stamp_jitter, wraps
+
+AGAINST = 4.5  # standard deviations by which a log contradicts a value; right ones reach 2.8 (clean logs, seeds to 12)
 
 
 class Checkup(NamedTuple):
@@ -54,8 +58,11 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     except ExoidError:
         return Checkup(ordered(found))
     found += [*out_of_plane_base(sample), *gravity_size(sample)]
+    broken = any(one.severity == "error" for one in found)
+    sample, evidence, contradicted = (sample, evidence, []) if broken else _contradicted(sample, evidence)
     checked = CheckedFit.of(sample, evidence)
-    found += _fit_findings(checked, broken=any(one.severity == "error" for one in found))
+    found += _fit_findings(checked, broken=broken)
+    found += [] if any(one.severity == "error" for one in found) else contradicted  # an error may be why
     spread = checked.spread if sample.preparation is fitted.preparation else None
     moving = [part for part, rest in zip(evidence.parts, evidence.at_rest, strict=True) if not rest]
     return Checkup(ordered(found), evidence.ranges, spread, moving)
@@ -82,6 +89,32 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
             yield replace(finding, parameters=tuple(doubtful), recording=one.file_name if len(data) > 1 else "")
     if len(recordings) > 1:
         yield from repeated_data([for_leg(model, one) for one in recordings], model.names)
+
+
+def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evidence, list[Finding]]:
+    """Find values told beside the log that it contradicts, the worst first, and go on without them."""
+    found, names = list[Finding](), fitted.model.names
+    told = {names.index(name): x for name, x in fitted.told.items() if name in names}
+    # friction of another form makes no body another one
+    friction = [k for k, one in enumerate(fitted.library.columns) if one.kind in (*FORMS, "sharpness", "reversals")]
+    while told:
+        state = State.of(evidence, friction, tested=[k - len(names) for k in told])
+        alone = {k: state.alone(k) for k in told}
+        apart = {k: abs(x - told[k][0]) / np.hypot(std, max(told[k][1], TINY)) for k, (x, std) in alone.items()}
+        k = max(told, key=lambda k: apart[k])
+        (x, std), (value, _), unit = alone[k], told.pop(k), fitted.model.units[k]
+        if apart[k] < AGAINST:
+            break
+        if torque_shares(evidence.factors, [k], np.array([[x - value]]))[0] < 3e-3:
+            continue
+        what = f"{names[k]} is told to be {value:.4g}, and by the log alone is {x:.4g} ± {std:.2g} {unit}"
+        remedy = "leave it out of known= and prior=, or look for a scale, a zero or a load that makes the log say so"
+        ends = (x - 2.0 * std, x + 2.0 * std)
+        found.append(Finding("contradicted-value", "", x, unit, "warning", what, remedy, ends, (names[k],)))
+        fitted = fitted._replace(fixed=np.where(np.arange(len(names)) == k, np.nan, fitted.fixed))
+        evidence = gather(fitted, friction=True)
+        fitted = fitted._replace(values=State.of(evidence, ()).values)
+    return fitted, evidence, found
 
 
 def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:

@@ -73,9 +73,8 @@ def fit_torques(
     columns, others = np.argsort(last, kind="stable"), int(np.count_nonzero(~last))
     weights, x = 1.0 / level, np.zeros(len(last))
     for _ in range(rounds):  # weights of the joints and residuals in turn
-        R = r_factor(
-            np.vstack([w * np.column_stack([W[:, columns], t]) for w, (W, t) in zip(weights, rows, strict=True)])
-        )
+        pairs = zip(weights, rows, strict=True)
+        R = r_factor(np.vstack([w * np.column_stack([W[:, columns], t]) for w, (W, t) in pairs]))
         scale = column_scale(R[:, :-1])
         A, b = R[:, :-1] / scale, R[:, -1]
         # without columns SciPy 1.17 frees memory twice, which ends the process

@@ -259,16 +259,14 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
         for kind in ("compliance", "ringing"):
             faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)))
         if j in arms:
-            arm = add("arm", j, 0, 1)
-            faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, arm, form=arms[j].what))
+            faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, add("arm", j, 0, 1), form=arms[j].what))
     if n > 1:
         faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
     of_known = (("known-torque", "1", "known"), ("wrench-delay", "s", "known delay"))
     faults += [Nuisance(kind, "", -1, unit, add(column, 0)) for kind, unit, column in of_known[: known + sensed]]
     faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
     if not planar:
-        tilt = (*add("gravity", 0), *add("gravity", 1))
-        faults.append(Nuisance("gravity-direction", "", -1, "rad", tilt))
+        faults.append(Nuisance("gravity-direction", "", -1, "rad", (*add("gravity", 0), *add("gravity", 1))))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
     return Library(tuple(columns), tuple(faults), tuple(always))

@@ -230,10 +230,8 @@ def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) 
             "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         )
         message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
-        names = tuple(np.array(model.names)[model.acting[j]].tolist())
-        yield Finding(
-            "large-residual", joint, nrmse, "1", severity, message + _when(checked, j), remedy, parameters=names
-        )
+        message, names = message + _when(checked, j), tuple(np.array(model.names)[model.acting[j]].tolist())
+        yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, None, names)
 
 
 def unbalanced(model: TorqueModel, by_row: Iterable[Iterable[RFactor]], values: FloatArray) -> Iterator[Finding]:

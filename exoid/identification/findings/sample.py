@@ -38,6 +38,8 @@ class FittedLeg(NamedTuple):
     covariance: FloatArray  # their covariance, (P, P)
     # moment arms of linear actuators whose force was measured, by the index of their joint
     arms: Mapping[int, ArmShapes] = MappingProxyType({})
+    # value and standard deviation, 0 for a known one, of parameters of which something was told beside the log
+    told: Mapping[str, tuple[float, float]] = MappingProxyType({})
 
     @property
     def library(self) -> Library:

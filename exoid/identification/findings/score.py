@@ -28,6 +28,7 @@ WORTH_A_LOOK, LARGE_GAIN = 0.01, 0.05
 """Below this probability the variance of a score is also taken from blocks of time. A fault that explains more than the
 second of the squared residuals is tested with the noise that is left then."""
 
+HIDDEN = (1.0 / 300.0) ** 2  # what the parameters explain of a fault, but for a 300th, cannot be tested
 HALF_WIDTH = 1.96  # half of a 95 % interval, in standard deviations
 
 
@@ -112,6 +113,18 @@ class State:
         values = np.where(np.isfinite(self.evidence.fixed), self.evidence.fixed, 0.0)
         values[self.evidence.free] = self.solution[: len(self.evidence.free)]
         return np.asarray(values)
+
+    def alone(self, k: int) -> tuple[float, float]:
+        """Value of a parameter by the rows, beside all that are free, and its standard deviation; 0 ± ∞ if unseen."""
+        others = self.columns[self.columns != k]
+        share = scaled_pinv(self.R[:, others]) @ self.R[:, k]
+        rest = self.R[:, k] - self.R[:, others] @ share
+        size = float(rest @ rest)
+        if size <= HIDDEN * float(self.R[:, k] @ self.R[:, k]):
+            return 0.0, np.inf
+        every, a = np.append(others, k), np.append(-share, 1.0)
+        std = float(np.sqrt(a @ self.meat[np.ix_(every, every)] @ a)) / size
+        return float(np.nan_to_num(self.evidence.fixed[k]) + rest @ self.R[:, -1] / size), std
 
     @cached_property
     def _tests(self) -> _Tests:
@@ -203,13 +216,11 @@ class State:
         size = np.sqrt(np.diag(tests.size)[columns])
         C = np.eye(len(columns))[:, size > 0.0] / size[size > 0.0]
         information = C.T @ tests.information[own] @ C
-        # What the parameters explain of a fault, but for a 300th, cannot be tested.
-        hidden = (1.0 / 300.0) ** 2
         if len(information) > 1:
             basis, sizes, _ = np.linalg.svd(information)
-            C = C @ basis[:, sizes > hidden]
+            C = C @ basis[:, sizes > HIDDEN]
             information = C.T @ tests.information[own] @ C
-        if not information.size or information[0, 0] <= hidden:
+        if not information.size or information[0, 0] <= HIDDEN:
             return None
         score, noise = C.T @ tests.score[columns], C.T @ tests.noise[own] @ C
         inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information

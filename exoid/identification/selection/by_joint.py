@@ -79,9 +79,8 @@ def select_by_joint(
         chosen = min(range(len(ends)), key=lambda k: ends[k][0].error * (ALIKE if k else 1.0))
         candidate, found = ends[chosen]
         if candidate.failure:
-            raise NotIdentifiableError(
-                f"no candidate can be fitted: {candidate.failure}", remedy="record longer and richer motions"
-            )
+            what = f"no candidate can be fitted: {candidate.failure}"
+            raise NotIdentifiableError(what, remedy="record longer and richer motions")
         try:
             estimate = candidate.fit(search.leg, search.recordings, search.cutoff)
         except NotIdentifiableError as error:

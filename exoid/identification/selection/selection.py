@@ -166,17 +166,14 @@ def select_terms(
     """
     several = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if folds < 3 or not several:
-        raise BadArgumentError(
-            f"{len(several)} recordings, {folds} folds", remedy="pass recordings, and at least 3 folds"
-        )
+        what = f"{len(several)} recordings, {folds} folds"
+        raise BadArgumentError(what, remedy="pass recordings, and at least 3 folds")
     if not all(isinstance(recording, Recording) for recording in several):
         raise BadArgumentError("poses cannot be cut into stretches of time", remedy="pass recordings only")
     cutoff = choose_cutoff(several) if cutoff is None else cutoff
     if leg.base_rows:
-        raise NotSupportedError(
-            "friction is not selected beside rows of the base",
-            remedy='pass terms to identify, or select with base="moving" and recordings without wrenches and contacts',
-        )
+        remedy = 'pass terms to identify, or select with base="moving" and recordings without wrenches and contacts'
+        raise NotSupportedError("friction is not selected beside rows of the base", remedy=remedy)
     knowledge = PriorKnowledge(known or {})
     model = model_with(leg, (Armature(), *beside), knowledge.known)
     knowledge.check(model)

@@ -37,6 +37,16 @@ def test_a_payload_in_the_only_log_that_is_far_too_heavy_is_no_wrong_sign():
     assert not kinds(found) & {"torque-sign", "angle-sign"}
 
 
+@pytest.mark.parametrize(("name", "how"), [("X2", lambda x: 0.97 * x), ("J3", lambda x: (2.0 * x, 0.01 * x))])
+def test_a_value_that_the_log_contradicts(name, how):
+    """A wrong mass moment gave a wrong inertia in silence, and a wrong prior won over the log."""
+    leg, log = clean()
+    right = float(leg.parameters[leg.parameter_names.index(name)])
+    (one,) = exoid.identify(leg, log, **{"known" if name == "X2" else "prior": {name: how(right)}}).findings
+    assert (one.kind, one.severity, one.parameters) == ("contradicted-value", "warning", (name,))
+    assert one.interval[0] < right < one.interval[1]
+
+
 @pytest.fixture(scope="module")
 def held():
     """CUHK-EXO's leg and a log in which its shank is held by a load cell: the force, and the log without it."""
