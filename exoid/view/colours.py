@@ -15,7 +15,7 @@ WEIGHT = "#6B5B4B"
 RESIDUAL, GUIDE = "#777777", "#cccccc"
 """Colours of residuals and limits, and of guide lines."""
 
-JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#8C564B", "#A3C644", "#882255", "#7F7F7F")
+JOINT_COLOURS = ("#009E73", "#CC79A7", "#E69F00", "#33BBEE", "#A3C644", "#882255", "#5D2E00")
 """Colours of hip, knee, ankle, and the further joints of an arm; none of them has another meaning."""
 
 SHADES = ("#B8C0CC", "#8492A6", "#56657A", "#2E3B4E")

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 
 from .colours import GUIDE, MEASURED, PREDICTED, joint_colour
-from .style import decorate
+
+SIDES = ("left", "right")
+"""Legs in the order of their joints."""
 
 
 class DayPart(NamedTuple):
@@ -35,31 +37,42 @@ class DayPart(NamedTuple):
 
 
 def plot_day(figure: Figure, parts: Sequence[DayPart], joints: Sequence[str]) -> None:
-    """Draw torques, and below them the force of each contact: true and told.
+    """Draw the torques of each leg, and below them the force of each contact: true and told.
+
+    Names of functions stand at the top where the function changes. A force beyond the axis is marked by a triangle.
 
     Args:
         figure: Figure to draw on.
         parts: Functions in order.
-        joints: Names of the joints.
+        joints: Names of the joints, those of the left leg first.
     """
-    contacts = list(parts[0].force)
-    axes = figure.subplots(1 + len(contacts), 1, sharex=True, height_ratios=[2.0] + [1.0] * len(contacts))
-    begin = 0.0
-    for part in parts:
-        for ax in axes:
-            ax.axvline(begin, color=GUIDE, lw=0.5)
-        axes[-1].annotate(part.name, (begin, 1.05), xycoords=("data", "axes fraction"), fontsize=5)
+    contacts, per_leg = list(parts[0].force), len(joints) // len(SIDES)
+    axes = figure.subplots(len(SIDES) + len(contacts), 1, sharex=True, height_ratios=[1.5, 1.5] + [1.0] * len(contacts))
+    begins, tops = np.cumsum([0.0, *(float(part.time[-1]) for part in parts)]), dict.fromkeys(contacts, 1.0)
+    for contact in contacts:
+        tops[contact] = max(1.0, *(1.2 * float(np.quantile(part.force[contact], 0.99)) for part in parts))
+    for k, (begin, part) in enumerate(zip(begins, parts, strict=False)):
+        if k == 0 or part.name != parts[k - 1].name:
+            for ax in axes:
+                ax.axvline(begin, color=GUIDE, lw=0.6)
+            place = axes[0].get_xaxis_transform()
+            axes[0].text(begin, 1.03, part.name, rotation=90, fontsize=7, transform=place)
         for j, joint in enumerate(joints):
-            label = joint if part is parts[0] else None
-            axes[0].plot(begin + part.time, part.torque[:, j], color=joint_colour(j), lw=0.4, label=label)
-        for ax, contact in zip(axes[1:], contacts, strict=True):
-            first = part is parts[0] and ax is axes[1]  # one legend; names of functions stand above the last axes
-            ax.plot(begin + part.time, part.force[contact], color=MEASURED, lw=0.8, label="true" if first else None)
-            ax.plot(begin + part.blocks, part.told[contact], color=PREDICTED, lw=0.4, label="told" if first else None)
-        begin += float(part.time[-1])
-    decorate(axes[0], "", "torque [N·m]", zero=True)
-    for k, (ax, contact) in enumerate(zip(axes[1:], contacts, strict=True)):
-        last = k == len(contacts) - 1
-        top = 1.2 * max(float(np.quantile(part.force[contact], 0.99)) for part in parts)
-        ax.set_ylim(-0.05 * top, max(top, 1.0))
-        decorate(ax, "time of the day [s]" if last else "", f"{contact} [N]")
+            label = joint.split("_")[-1] if k == 0 and j < per_leg else None
+            ax, colour = axes[j // per_leg], joint_colour(j % per_leg)
+            ax.plot(begin + part.time, part.torque[:, j], color=colour, lw=0.7, label=label)
+        for ax, contact in zip(axes[len(SIDES) :], contacts, strict=True):
+            first = k == 0 and contact == contacts[0]
+            force, top = part.force[contact], tops[contact]
+            ax.plot(begin + part.time, force, color=MEASURED, lw=0.8, label="true" if first else None)
+            ax.plot(begin + part.blocks, part.told[contact], color=PREDICTED, lw=0.6, label="told" if first else None)
+            if force.max() > top:
+                ax.plot(begin + part.time[force.argmax()], 0.97 * top, "^", color=MEASURED, ms=3.0)
+    for side, ax in zip(SIDES, axes[: len(SIDES)], strict=True):
+        ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
+        ax.set(ylabel=f"{side} torque [N·m]")
+    figure.legend(loc="outside lower center", ncols=per_leg + 2)
+    for ax, contact in zip(axes[len(SIDES) :], contacts, strict=True):
+        ax.set(ylim=(-0.05 * tops[contact], tops[contact]), ylabel=f"{contact} [N]")
+    axes[-1].set(xlabel="time of the day [s]", xlim=(0.0, begins[-1]))
+    figure.align_ylabels(list(axes))

@@ -12,12 +12,7 @@ from .style import decorate, draw_samples
 
 
 def plot_prediction(
-    ax: Axes,
-    time: FloatArray,
-    measured: FloatArray,
-    predicted: FloatArray,
-    label: str,
-    band: FloatArray | None = None,
+    ax: Axes, time: FloatArray, measured: FloatArray, predicted: FloatArray, label: str, band: FloatArray | None = None
 ) -> Axes:
     """Plot measured and predicted torque of one joint, the residual on the same scale, and a prediction band.
 

@@ -16,11 +16,7 @@ from .style import decorate, decorate_column
 
 
 def plot_tracking_errors(
-    axes: Sequence[Axes],
-    runs: Mapping[str, Tracking],
-    *,
-    names: Sequence[str],
-    colours: Sequence[str] = LAW_COLOURS,
+    axes: Sequence[Axes], runs: Mapping[str, Tracking], *, names: Sequence[str], colours: Sequence[str] = LAW_COLOURS
 ) -> Sequence[Axes]:
     """Plot the tracking error of each joint under several control laws, after settling (doc. 2, Fig. 8).
 
@@ -39,11 +35,7 @@ def plot_tracking_errors(
 
 
 def plot_law_torques(
-    axes: Sequence[Axes],
-    runs: Mapping[str, Tracking],
-    *,
-    names: Sequence[str],
-    colours: Sequence[str] = LAW_COLOURS,
+    axes: Sequence[Axes], runs: Mapping[str, Tracking], *, names: Sequence[str], colours: Sequence[str] = LAW_COLOURS
 ) -> Sequence[Axes]:
     """Plot the torque of each joint under several control laws, after settling (doc. 2, Fig. 9).
 

@@ -1,5 +1,7 @@
 """The report states what the estimate holds, in one valid self-contained page."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from html_pages import check, undrawn
@@ -9,7 +11,9 @@ import exoid
 from exoid.experiments.excitation import assess
 from exoid.tools.tables import DataTable
 from exoid.torques import Coulomb, Viscous
+from exoid.view import scene
 from exoid.view.report import identification_report
+from exoid.view.report.blocks import sentence
 from exoid.view.report.fit import predict_recording
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
@@ -116,3 +120,17 @@ def test_names_from_files_cannot_break_the_page():
     tree = check(html)
     assert not list(tree.iter("script"))
     assert tree.findtext(".//h1") == evil
+
+
+def test_a_sentence_keeps_the_names_that_it_begins_with():
+    assert [sentence(clause) for clause in ("mcx_thigh is rough", "warning: none")] == [
+        "mcx_thigh is rough.",
+        "Warning: none.",
+    ]
+
+
+def test_inertias_that_no_export_writes_are_noted(data):
+    estimate = exoid.identify(data.leg, data.train, check=False)
+    assert scene(estimate).notes == ()
+    (note,) = scene(replace(estimate, values=20.0 * estimate.values)).notes
+    assert "beyond a factor of 5" in note

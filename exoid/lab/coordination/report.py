@@ -56,7 +56,7 @@ def coordination_report(study: CoordinationStudy) -> ReplayReport:
             DataTable("Mode right while walking and climbing [%]", ("foot switches", "mode right"), switches),
         ],
         data=data,
-        drawings={"day": Drawing("Torques and contacts over the day", lambda figure: _draw(figure, study), 0.9, 2.0)},
+        drawings={"day": Drawing("Torques and contacts over the day", lambda figure: _draw(figure, study), 1.9, 2.0)},
     )
 
 

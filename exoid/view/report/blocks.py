@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from exoid._typing import FloatArray
@@ -30,5 +31,6 @@ def finding_blocks(findings: Sequence[Finding]) -> Iterator[Block]:
 
 
 def sentence(clause: str) -> str:
-    """Make a clause a sentence: a capital letter first, a full stop last."""
-    return f"{clause[:1].upper()}{clause[1:]}."
+    """Make a clause a sentence: a full stop last, and a capital letter first, but not of a name such as mcx_thigh."""
+    first = clause[:1].upper() if re.match(r"[a-z]+\b", clause) else clause[:1]
+    return f"{first}{clause[1:]}."

@@ -17,11 +17,7 @@ from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
 from exoid.view.colours import PREDICTED, RESIDUAL
-from exoid.view.fit import (
-    plot_friction_fit,
-    plot_prediction,
-    plot_residual_trend,
-)
+from exoid.view.fit import plot_friction_fit, plot_prediction, plot_residual_trend
 from exoid.view.style import decimation, decorate
 
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, shown_part

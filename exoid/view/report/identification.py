@@ -17,13 +17,7 @@ from exoid.tools.tables import DataTable
 from exoid.view.scenes import scene
 
 from .blocks import SHOWN_SECONDS, finding_blocks, sentence, shown_part
-from .fit import (
-    RecordingPrediction,
-    friction_blocks,
-    predict_recording,
-    residual_pictures,
-    torque_blocks,
-)
+from .fit import RecordingPrediction, friction_blocks, predict_recording, residual_pictures, torque_blocks
 from .ground import ground_blocks
 from .page import Block, EmbeddedPage, Page, Text
 from .parameters import IDENTIFIABILITY, advice, parameter_blocks

@@ -11,11 +11,14 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
+from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.leg.lift import lift
 from exoid.leg.lift.lift import PULL
+from exoid.leg.lift.lumping import MASS_FACTOR, MassChange, distribute_bodies, refuse_mass_changes
 from exoid.leg.reduction.planar_machine import SIDES
+from exoid.leg.rewriting import read_inertials
 from exoid.view.colours import CAD, IDENTIFIED, joint_colour
 
 from .commands import ROOT, Command, child_path, set_object, set_transform
@@ -55,7 +58,9 @@ class LegGeometry:
         visuals, notes = _visuals(skeleton, folder)
         inertias = [Inertias("CAD", CAD, tuple(leg.model.inertias)[1:])]
         if isinstance(source, Estimate):
-            inertias.append(Inertias("identified", IDENTIFIED, _lifted(source)))
+            bodies, refused = _lifted(source)
+            inertias.append(Inertias("identified", IDENTIFIED, bodies))
+            notes += refused
         else:
             others = [other for other in identified if other.joint_names == leg.joint_names]
             inertias += [Inertias("identified", IDENTIFIED, tuple(other.model.inertias)[1:]) for other in others[:1]]
@@ -166,13 +171,20 @@ def _visuals(skeleton: Skeleton, folder: Path | None) -> tuple[tuple[tuple[Visua
     return tuple(bodies), notes
 
 
-def _lifted(estimate: Estimate) -> tuple[pin.Inertia, ...]:
-    """Physically consistent inertias nearest to the estimate."""
+def _lifted(estimate: Estimate) -> tuple[tuple[pin.Inertia, ...], tuple[str, ...]]:
+    """Physically consistent inertias nearest to the estimate, and a note if no export writes them."""
     leg = estimate.model.leg
     p = len(leg.parameter_names)
-    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=PULL)
+    lifted = lift(leg, estimate.values[:p], estimate.covariance[:p, :p], pull=PULL, mass_factor=MASS_FACTOR)
     moving = lifted.link_parameters[-len(leg.tree_joint_names) :]
-    return tuple(pin.Inertia.FromDynamicParameters(row) for row in moving)
+    links, before = distribute_bodies(leg, lifted.link_parameters, MASS_FACTOR), read_inertials(leg.description)
+    masses = [MassChange(name, float(before[name][0]), float(pi[0])) for name, pi in links.items()]
+    notes = tuple[str, ...]()
+    try:
+        refuse_mass_changes(masses, MASS_FACTOR, leg.description.name)
+    except NotIdentifiableError as error:
+        notes = (f"identified inertias are not exported: {error.what}",)
+    return tuple(pin.Inertia.FromDynamicParameters(row) for row in moving), notes
 
 
 def _name(leg: Leg) -> str:

@@ -34,12 +34,7 @@ class LegView(NamedTuple):
     feet: tuple[Readings, ...]  # numbers of feet on the ground
 
 
-def view_leg(
-    source: Leg | Estimate,
-    geometry: LegGeometry,
-    q: FloatArray,
-    replay: Replay | None,
-) -> LegView:
+def view_leg(source: Leg | Estimate, geometry: LegGeometry, q: FloatArray, replay: Replay | None) -> LegView:
     """Draw a leg in a pose, or replaying a recording; its base moves where a recording tells how."""
     trajectory = LegTrajectory.of(geometry.leg, q, replay)
     base = None if replay is None else Standing.of(geometry, replay)
