@@ -150,11 +150,8 @@ def stateful(law: AnyLaw) -> StatefulLaw:
     if isinstance(law, StatefulLaw):
         return law
     if not callable(getattr(law, "torque", None)):
-        what, remedy = (
-            f"{type(law).__name__} is no controller",
-            "give an object with rate and torque, or begin and step",
-        )
-        raise BadArgumentError(what, remedy=remedy)
+        what = f"{type(law).__name__} is no controller"
+        raise BadArgumentError(what, remedy="give an object with rate and torque, or begin and step")
     return Memoryless(law)
 
 

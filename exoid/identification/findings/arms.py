@@ -37,7 +37,7 @@ def arm_shapes(actuators: Actuators, leg: Leg) -> dict[int, ArmShapes]:
 def _of_table(arm: MomentArmTable) -> ArmShapes:
     """Relative errors of a table that grow with the angle, and with its square."""
     middle, half = 0.5 * (arm.angle[0] + arm.angle[-1]), 0.5 * (arm.angle[-1] - arm.angle[0])
-    return ArmShapes("1", "table of moment arms", lambda q: np.array([x := (q - middle) / half, x * x]))
+    return ArmShapes("1", "table of moment arms", lambda q: ((q - middle) / half) ** np.array([[1], [2]]))
 
 
 def _of_points(arm: Attachments, leg: Leg, joint: str) -> ArmShapes:

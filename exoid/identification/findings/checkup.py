@@ -134,8 +134,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         if not found:
             found, explained, left = _finer_findings(checked.fitted, checked.evidence, scales)
         found = found or scales
-        zeros = {"angle-offset", "gravity-direction"}
-        if not any(one.kind in zeros or one.severity == "error" for one in found):
+        turning = {"angle-offset", "gravity-direction", "torque-delay"}  # these turn mass moments, too
+        if not any(one.kind in turning or one.severity == "error" for one in found):
             found += turned_segment(checked)
     if not explained and not any(finding.severity == "error" for finding in found):
         fitted = checked.fitted
