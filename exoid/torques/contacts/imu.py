@@ -162,7 +162,7 @@ def refuse_turned(
                 if (left := _apart(read, other)) < least:
                     what, remedy, least = meaning, advice, left
         turned = _turned(read[:, :3], said[:, :3])
-        if not what and (angle := float(np.linalg.norm(turned))) > MOUNTED:
+        if not what and turning > TURNING / 3.0 and (angle := float(np.linalg.norm(turned))) > MOUNTED:
             about = ", ".join(f"{x:.2f}" for x in turned / angle)
             what = f"the base's sensor is turned by {np.rad2deg(angle):.0f}° about ({about}) of the root link"
             remedy = "look at its mounting, and give readings in the axes of the root link (rotation=)"
@@ -210,11 +210,12 @@ def _turned(read: FloatArray, said: FloatArray) -> FloatArray:
     """Smallest turn from the axis about which the base turns most to that of readings that follow it [rad], (3,)."""
     x, y = read - read.mean(axis=0), said - said.mean(axis=0)
     axis = np.linalg.eigh(y.T @ y).eigenvectors[:, -1]
-    follows = (y @ axis) @ x  # a product with noise about other axes is nothing
+    follows = (y @ axis) @ x / np.sum((y @ axis) ** 2)  # by noise about other axes it hardly turns
     normal = np.cross(axis, follows)
-    unsure = np.linalg.norm(follows) ** 2 < 0.25 * np.sum((y @ axis) ** 2) * np.sum(x**2)
     length = float(np.linalg.norm(normal))
-    return normal * (0.0 if unsure or not length else np.arctan2(length, axis @ follows) / length)
+    # readings that follow little, or against the base, are those of another motion: the foot rolls
+    sure = np.linalg.norm(follows) > 0.5 and axis @ follows > 0.0 and length > 0.0
+    return normal * (np.arctan2(length, axis @ follows) / length if sure else 0.0)
 
 
 def _apart(read: FloatArray, said: FloatArray) -> float:
