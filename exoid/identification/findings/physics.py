@@ -180,8 +180,8 @@ def _segments(leg: Leg, values: FloatArray) -> FloatArray:
     return values[rigid - 3 * len(leg.joint_names) : rigid].reshape(-1, 3)
 
 
-def turned_segment(checked: CheckedFit) -> Iterator[Finding]:
-    """Compare the directions of the segments' mass moments with those of the URDF; only of planar legs."""
+def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
+    """Find mass moments of segments that are turned from the URDF's by so much [rad] or more; only of planar legs."""
     # A wrong zero turns (X, Y) of all segments behind its joint alike, and a tilt of the base those of all. Only
     # coupling to others shows more of it, and of the last joint nothing does.
     leg = checked.fitted.model.leg
@@ -200,7 +200,7 @@ def turned_segment(checked: CheckedFit) -> Iterator[Finding]:
             if (apart <= 0.25 * abs(angle) + 2.0 * np.hypot(errors, error))[first:].all():
                 candidates.append((float(weights @ apart**2), first, angle, error))
         _, first, angle, error = min(candidates)  # the joint behind which all are turned alike, and none before it
-        if abs(angle) <= max(0.03, 4.0 * error):  # 1.7°: URDFs of CAD are no better
+        if abs(angle) <= max(least, 4.0 * error):  # 1.7°, or 6° beside a delay: URDFs of CAD are no better
             continue
         joint, behind = names[0][first], " and ".join(names[1][first:])
         kind, value = "angle-offset", float(limb.chain.signs[first]) * angle
