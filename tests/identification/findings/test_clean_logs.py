@@ -75,8 +75,4 @@ def test_friction_that_turns_before_the_velocity_or_after_it_is_no_delay(early, 
 def test_the_real_recording_has_the_findings_that_the_page_argues_for():
     data = exoid.datasets.dfki_double_pendulum()
     found = {(finding.kind, finding.joint) for finding in exoid.check(data.leg, data.train)}
-    assert found == {
-        ("unmodelled-friction", "shoulder"),
-        ("unmodelled-friction", "elbow"),
-        ("torque-scale", "elbow"),
-    }
+    assert found == {("unmodelled-friction", "shoulder"), ("unmodelled-friction", "elbow"), ("torque-scale", "elbow")}
