@@ -76,8 +76,7 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
         # So often in a row the sign of a constant must be wrong to be refused
         if backwards == 3:
             raise NotIdentifiableError(
-                f"{', '.join(step.backwards)} would be negative: current and torque have opposite signs, or a payload "
-                "was not there",
+                f"{', '.join(step.backwards)} would be negative: current and torque have opposite signs",
                 remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
                 command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
             )
@@ -118,11 +117,9 @@ def refuse_unknown_scale(
     if unused:
         joints = ", ".join(dict.fromkeys(actuators.joint_names[each.joint] for each in unused))
         raise NotIdentifiableError(
-            f"{', '.join(each.name for each in unused)}: no torque of {joints} is computed from its drive, as it was "
-            "measured in all recordings, or the drive in none",
-            remedy="give the drive its constants, leave it out, or read some recordings without that torque "
-            "(unmeasured=)",
-            command="give the drive its constants, leave it out, or read the logs without that torque (--unmeasured)",
+            f"{', '.join(each.name for each in unused)}: no recording has torque of {joints} from its drive",
+            remedy="give its constants, leave it out, or read some recordings without that torque (unmeasured=)",
+            command="give its constants, leave it out, or read some logs without that torque (--unmeasured)",
         )
     measured = any((of_one.measured & ~of_one.passive & ~(of_one.computed & free)).any() for of_one in torques)
     weighed = any(Payload.from_text(text).mass > 0.0 for one in summaries for text in one.evidence.payloads)

@@ -57,13 +57,10 @@ def refuse_beside_unknown(
         "terms depend on the load": any(term.loaded for term in terms),
         "delays are to be corrected": delay is not None,
     }
+    remedy = "identify them first, by wls, without load friction and delays, from recordings of one leg"
     for what, is_so in wrong.items():
         if is_so:
-            raise NotSupportedError(
-                f"{which}: constants of drives are not found where {what}",
-                remedy="identify them first, by wls and terms without load from recordings of one leg, and give the "
-                "motors these numbers",
-            )
+            raise NotSupportedError(f"{which}: constants of drives are not found where {what}", remedy=remedy)
     told = [name for name in constants if name in names]
     if told:
         text = f"{', '.join(told)} is a constant of a drive, not a parameter of the leg"

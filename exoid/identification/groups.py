@@ -102,8 +102,7 @@ def _refuse_other_designs(groups: Sequence[Group]) -> None:
         # Regressors of legs of one design differ by less than this part of the largest entry
         if np.abs(found - expected).max() > 1e-9 * np.abs(expected).max():
             raise BadArgumentError(
-                f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ, so that "
-                "their rigid-body parameters do not mean the same",
+                f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ",
                 remedy="identify them one by one",
             )
 

@@ -125,16 +125,15 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     names = model.leg.joint_names
     dead = {joint: value for joint, value, is_dead in zip(names, first, constant, strict=True) if is_dead}
     if dead:
-        text = "the torque of joint {} is {:.6g} N·m in every sample"
-        found = "; ".join(text.format(joint, value + 0.0) for joint, value in dead.items())
-        columns = ", ".join(f"tau_{joint}" for joint in dead)
+        found = "; ".join(f"the torque of joint {j} is {x + 0.0:.6g} N·m in every sample" for j, x in dead.items())
+        mend = f"connect its torque channel, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}"
         raise NotIdentifiableError(
             f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
             where=_sources(summaries),
-            remedy=f"connect its torque channel, or map the right column to {columns}; a joint without an actuator is "
-            f"passive={tuple(dead)!r}, one without a sensor unmeasured={tuple(dead)!r}",
-            command=f"connect its torque channel, or map the right column to {columns}; give --passive "
-            f"{','.join(dead)} for a joint without an actuator, --unmeasured {','.join(dead)} for one without a sensor",
+            remedy=f"{mend}; a joint without an actuator is passive={tuple(dead)!r}, one without a sensor "
+            f"unmeasured={tuple(dead)!r}",
+            command=f"{mend}; give --passive {','.join(dead)} for a joint without an actuator, --unmeasured "
+            f"{','.join(dead)} for one without a sensor",
             joints=tuple(dead),
         )
     for index, joint in enumerate(names):
@@ -142,8 +141,7 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
             middle, share = torques.middle[index], torques.share[index]
             if MOST < share < 1.0 and not torques.passive[index]:
                 raise NotIdentifiableError(
-                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of the samples although "
-                    "the joint moves: these say nothing, or something wrong",
+                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of samples, and it moves",
                     where=one.source,
                     remedy="use the part of the recording in which torque was measured, see Recording.between",
                     joints=(joint,),

@@ -181,7 +181,7 @@ def test_a_drive_that_no_torque_comes_from_is_refused():
     """A measured torque is never replaced, so that its current says nothing."""
     both = [replace(one, tau=torque_log(k).tau) for k, one in ((1, log(1)), (2, log(2)))]
     with pytest.raises(
-        ExoidError, match=r"kt_hip, kt_knee: no torque of left_hip, left_knee is computed from its drive"
+        ExoidError, match=r"kt_hip, kt_knee: no recording has torque of left_hip, left_knee from its drive"
     ):
         identify(LEG, both, TERMS, actuators=motors())
 

@@ -11,6 +11,7 @@ import exoid
 from exoid import Armature, Coulomb, ExoidError, Recording, Viscous
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.identification import select_terms
+from exoid.identification.selection.by_joint import _no_worse, _scored
 from exoid.identification.selection.design import form_design
 from exoid.identification.selection.held_out import blocked_folds, fast_blocks, fold_of
 from exoid.identification.selection.normal_equations import NormalEquations, residuals
@@ -130,6 +131,10 @@ def test_an_offset_is_kept_where_there_is_one_and_a_coefficient_that_is_banned_i
     again = found.without(1, "d")
     assert "d" not in {column.symbol for column in again.choice.columns[1]}
     assert again.banned == (frozenset(), {"d"})
+    worse, plainly = (_scored(found.search, "", one.choice) for one in (again, found))
+    better, mended = _no_worse(worse, again, plainly.nrmse)  # it has d where Coulomb friction alone predicts worse
+    assert {column.symbol for column in mended.choice.columns[1]} == knee
+    assert better.error < worse.error
 
 
 def test_what_holds_a_joint_at_rest_is_not_learnt(leg):

@@ -73,7 +73,8 @@ def select_by_joint(
     ends = _ends(search, progress)
     plain = ends[0][1]
     plain = plain._replace(choice=plain.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names)))
-    ends.append((_scored(plain.search, "coulomb", plain.choice), plain))
+    coulomb = _scored(plain.search, "coulomb", plain.choice)
+    ends = [*(_no_worse(*one, coulomb.nrmse) for one in ends), (coulomb, plain)]
     progress(0.75)
     while True:
         chosen = min(range(len(ends)), key=lambda k: ends[k][0].error * (ALIKE if k else 1.0))
@@ -161,3 +162,14 @@ def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
         if faults:
             at_fault.append((joint, min(faults)[1]))
     return at_fault
+
+
+def _no_worse(candidate: Candidate, found: Found, coulomb: FloatArray) -> tuple[Candidate, Found]:
+    """Take Coulomb and viscous friction at joints that these predict better, where all errors together fall."""
+    for joint in np.flatnonzero(candidate.nrmse > coulomb):
+        columns = tuple(PLAIN if j == joint else own for j, own in enumerate(found.choice.columns))
+        choice = found.choice._replace(columns=columns)
+        other = _scored(found.search, candidate.name, choice)
+        if other.error < candidate.error:
+            candidate, found = other, found._replace(choice=choice)
+    return candidate, found

@@ -75,9 +75,8 @@ class Tables(NamedTuple):
     @classmethod
     def of(cls, search: Search, grids: tuple[Grid, ...], choice: Choice) -> Tables:
         """Form them."""
-        library = [
-            tuple(dict.fromkeys((*grid.columns, *chosen))) for grid, chosen in zip(grids, choice.columns, strict=True)
-        ]
+        pairs = zip(grids, choice.columns, strict=True)
+        library = [tuple(dict.fromkeys((*grid.columns, *chosen))) for grid, chosen in pairs]
         design = search.design(library, choice.base[: len(search.leg.parameter_names)])
         blocks = (*blocked_folds(search.recordings, search.folds), fast_blocks(search.recordings))
         folds = tuple(fold_of(each, design) for each in blocks)
@@ -124,8 +123,7 @@ def search_joint_by_joint(search: Search) -> Found:
         grids = tuple(Grid().about(columns, sweep) if sweep else Grid() for columns in choice.columns)
         tables, chosen = Tables.of(search, grids, choice), list(choice.columns)
         for joint in range(joints):
-            with_offset = sweep < offset_sweeps
-            chosen[joint] = choose(tables, joint, chosen, choice.sigma, with_offset=with_offset)
+            chosen[joint] = choose(tables, joint, chosen, choice.sigma, with_offset=sweep < offset_sweeps)
             search.progress((sweep * joints + joint + 1) / (sweeps * joints))
         choice = Choice.of(tables.design, tuple(chosen), choice.sigma)
         explained = tables.design.tau - choice.left
