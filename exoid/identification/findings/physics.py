@@ -181,7 +181,7 @@ def _segments(leg: Leg, values: FloatArray) -> FloatArray:
 
 
 def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
-    """Find mass moments of segments that are turned from the URDF's by so much [rad] or more; only of planar legs."""
+    """Find mass moments of segments that are turned from the URDF's by more than so much [rad]; only of planar legs."""
     # A wrong zero turns (X, Y) of all segments behind its joint alike, and a tilt of the base those of all. Only
     # coupling to others shows more of it, and of the last joint nothing does.
     leg = checked.fitted.model.leg
@@ -200,7 +200,8 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
             if (apart <= 0.25 * abs(angle) + 2.0 * np.hypot(errors, error))[first:].all():
                 candidates.append((float(weights @ apart**2), first, angle, error))
         _, first, angle, error = min(candidates)  # the joint behind which all are turned alike, and none before it
-        if abs(angle) <= max(least, 4.0 * error):  # 1.7°, or 6° beside a delay: URDFs of CAD are no better
+        known = np.flatnonzero(errors < 0.25 * abs(angle))  # each is turned by 1.7°: URDFs of CAD are no better
+        if abs(angle) <= 4.0 * error or (np.abs(turns) - errors)[known[known >= first]].min() <= least:
             continue
         joint, behind = names[0][first], " and ".join(names[1][first:])
         kind, value = "angle-offset", float(limb.chain.signs[first]) * angle
@@ -212,8 +213,7 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
             f"mass moments of {behind} lie {abs(np.degrees(angle)):.3g}° from their directions in the URDF: {reason}, "
             "or the URDF is wrong; the log alone cannot tell"
         )
-        interval = (value - 2.0 * error, value + 2.0 * error)
-        yield Finding(kind, joint, value, "rad", "info", message, remedy, interval)
+        yield Finding(kind, joint, value, "rad", "info", message, remedy, (value - 2.0 * error, value + 2.0 * error))
 
 
 def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) -> Iterator[Finding]:
