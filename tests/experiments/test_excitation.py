@@ -13,6 +13,8 @@ from exoid.experiments.excitation.scales import Scales, TorqueNoise
 from exoid.experiments.limits import refuse_motion_beyond_limits
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
+pytestmark = pytest.mark.slow
+
 BLEEX, CUHK = exoid.load_leg("bleex"), exoid.load_leg("cuhk")
 STAGES = [Stage(1.0, 30.0), Stage(16.0, 1e3), Stage(0.0, 30.0)]
 
@@ -119,7 +121,6 @@ def test_a_plan_is_what_a_rig_is_commanded(plan):
     np.testing.assert_allclose(recording.tau, CUHK.inverse_dynamics(recording.q, recording.v, recording.a), atol=1e-10)
 
 
-@pytest.mark.slow
 def test_tilting_the_torso_makes_hip_stiffness_known():
     """Doc. 1 proposes it: upright, X1 and the hip's spring are nearly collinear."""
     terms = (exoid.Stiffness(), exoid.Coulomb())

@@ -16,6 +16,8 @@ from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import DEFAULT_TERMS, TorqueModel
 
+pytestmark = pytest.mark.slow
+
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
 SMOOTH = TorqueModel(LEG, (exoid.Coulomb(), *DEFAULT_TERMS[1:]))  # friction at reversals is fitted, too
@@ -42,7 +44,6 @@ def multisine():
     return cuhk.multisine(LEG, np.random.default_rng(0), draws=20)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("preparation", [FiniteDifference(), ZeroPhase(8.0), ZeroPhase(3.0)])
 def test_predicted_covariance_is_that_of_identification(multisine, preparation):
     """Standard deviations and correlations, for noiseless motion with white torque noise.

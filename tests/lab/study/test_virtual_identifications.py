@@ -16,6 +16,8 @@ from exoid.lab.study import LegText, Noise, Protocol, Study, document, plausible
 from exoid.lab.study.replicates import run_chunk
 from exoid.torques import DEFAULT_TERMS, Coulomb, TorqueModel
 
+pytestmark = pytest.mark.slow
+
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
@@ -103,7 +105,6 @@ def test_the_size_of_pieces_changes_nothing_where_motions_are_followed_exactly(r
     np.testing.assert_array_equal(other.combinations[0].std, result.combinations[0].std)
 
 
-@pytest.mark.slow
 def test_no_parameter_beats_the_bound_and_stated_deviations_are_the_true_ones():
     """Behind a filter that lets most through."""
     few = 300 if FULL else 40
@@ -153,7 +154,6 @@ def test_weighted_least_squares_nearly_reaches_the_bound_in_all_parameters_toget
     assert not nearly_efficient(half)
 
 
-@pytest.mark.slow
 def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
 
@@ -177,7 +177,6 @@ def test_studies_that_make_no_sense_are_refused(changes, words):
         run_study(study(), workers=0)
 
 
-@pytest.mark.slow
 def test_intervals_hold_under_correlated_noise():
     """Of 1 000 virtual identifications (in CI 40, which resolve less) the 95 % intervals of every parameter."""
     replicates = 1000 if FULL else 40

@@ -23,6 +23,8 @@ from exoid.torques.model import TorqueModel
 sys.path.insert(0, str(Path(__file__).parents[3] / "scripts"))
 import study_rail as study
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def hopper(base="z"):
@@ -88,7 +90,6 @@ def test_the_motion_says_when_a_foot_is_down():
     assert np.abs(touched[:, None] - closed).min(axis=1).max() < 0.05 * jumps.sample_rate
 
 
-@pytest.mark.slow
 def test_switches_alone_identify_a_hopper_and_its_rail(tmp_path):
     drawn, leg = hopper()
     terms = study.TERMS
@@ -107,7 +108,6 @@ def test_switches_alone_identify_a_hopper_and_its_rail(tmp_path):
     assert np.isinf(force.force_half[:, 1]).all()
 
 
-@pytest.mark.slow
 def test_the_force_under_squats_follows_from_torques_after_jumps_on_a_plate():
     found = exoid.identify(hopper()[1], log("jump", plate=True), study.TERMS, cutoff=15.0)
     force = ground_forces(found, log("press"))["foot"]
@@ -115,7 +115,6 @@ def test_the_force_under_squats_follows_from_torques_after_jumps_on_a_plate():
     assert np.sqrt(np.mean((force.force[:, 2] - true) ** 2)) < 0.15 * true.std()
 
 
-@pytest.mark.slow
 def test_a_foot_that_never_leaves_the_ground_is_no_log_for_switches_alone():
     leg = replace(hopper()[1], contacts={"foot": "point"})  # a ball that rolls tells the mass to twenty times its size
     with pytest.raises(NotIdentifiableError, match="m_base") as refused:
