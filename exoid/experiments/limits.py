@@ -102,8 +102,8 @@ class MotionLimits:
             if leg.model.joints[k + 1].nq == 1 and not np.isfinite(own.lower[k]) and given.keys().isdisjoint(names):
                 raise BadArgumentError(
                     f"the URDF has no limits of joint {names[0]!r}, which is not continuous",
-                    remedy=f"give the range that is safe, in degrees: angles_deg={{{names[0]!r}: (low, high)}}",
-                    command=f"give the range that is safe, in degrees: --angles {names[0]}=LOW:HIGH",
+                    remedy=f"give the range that is safe, in degrees or mm: angles_deg={{{names[0]!r}: (low, high)}}",
+                    command=f"give the range that is safe, in degrees or mm: --angles {names[0]}=LOW:HIGH",
                     joints=(names[0],),
                 )
         gap = margin * np.where(turning_joints(leg), 1.0, SLIDE)

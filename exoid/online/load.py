@@ -13,7 +13,7 @@ from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
 MISFIT = 3.0
-"""Misfit that is worth a remark: 1.12 at most for 72 loads of ``scripts/study_loads.py``, 27 for one 5 cm elsewhere."""
+"""Misfit that is worth a remark: that of the right place is about 1, whatever the parameters."""
 
 
 class LoadChange(NamedTuple):
@@ -68,5 +68,5 @@ def load_change(before: Estimate, after: Estimate, joint: str, position: tuple[f
     if size == 0.0:
         raise NotIdentifiableError(f"a load at {joint} leaves no trace there", remedy="strap it elsewhere")
     mass = float(w @ y) / size**2
-    misfit = float(np.linalg.norm(y - mass * w)) / np.sqrt(count - 1.0)
+    misfit = float(np.linalg.norm(y - mass * w)) / np.sqrt(max(count - 1.0, 1.0))
     return LoadChange(joint, mass, max(1.0, misfit) / size, misfit)

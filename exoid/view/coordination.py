@@ -9,11 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
+from exoid.control.functions import SIDES
 
 from .colours import GUIDE, MEASURED, PREDICTED, joint_colour
-
-SIDES = ("left", "right")
-"""Legs in the order of their joints."""
 
 
 class DayPart(NamedTuple):

@@ -269,9 +269,8 @@ class ContactFilter:
                 right = 1.0 - np.abs(members - flags[k, :, None])
                 each = self.noise.switch * right + (1.0 - self.noise.switch) * (1.0 - right)
                 mixed = weight[:, None] * each + 0.5 * (1.0 - weight[:, None])
-                score = (
-                    score + np.log(mixed).sum(axis=0) * BLOCK / self.noise.late
-                )  # one delay is one piece of evidence
+                # readings of one delay are one piece of evidence
+                score = score + np.log(mixed).sum(axis=0) * BLOCK / self.noise.late
             belief = belief * np.exp(score - score.max())
             memory.probability = probability[k] = belief / belief.sum()
             if flags.size:

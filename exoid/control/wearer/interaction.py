@@ -196,9 +196,8 @@ class Interaction(ReadOnly, Report):
         acting = ", ".join(name for name, action in zip(self.joint_names, self.actions, strict=True) if action.acts)
         conclusion = f"worn: something acts on {acting}" if acting else "not worn: nothing beyond model error"
         if self.worn is None:
-            why = (
-                f"{', '.join(self.unclear)} outside the band, but below the least that the test tells from model errors"
-            )
+            names = ", ".join(self.unclear)
+            why = f"much of {names} is outside the band, but below the least that the test tells from model errors"
             if any(finding.severity == "error" for finding in self.findings):
                 why = "the errors above must be mended before it can be told"
             conclusion = f"worn or not: {why}"

@@ -193,14 +193,14 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
         cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
         turns = np.arctan2(cross, dot)  # about one axis
         errors = _segments(leg, checked.std)[limb.joints, :2].max(axis=1) / size
-        weights, candidates = np.maximum(errors, 1e-3) ** -2.0, []
+        weights, candidates = errors.clip(1e-3, 1e3) ** -2.0, []
         for first in range(len(turns)):
             angle, error = float(np.average(turns[first:], weights=weights[first:])), float(errors[first:].min())
             apart = np.abs(turns - np.where(np.arange(len(turns)) < first, 0.0, angle))
             if (apart <= 0.25 * abs(angle) + 2.0 * np.hypot(errors, error))[first:].all():
                 candidates.append((float(weights @ apart**2), first, angle, error))
         _, first, angle, error = min(candidates)  # the joint behind which all are turned alike, and none before it
-        known = np.flatnonzero(errors < 0.25 * abs(angle))  # each is turned by 1.7°: URDFs of CAD are no better
+        known = np.flatnonzero(errors < 0.25 * abs(angle))  # each of them is turned: URDFs of CAD are off by 1.7°
         if abs(angle) <= 4.0 * error or (np.abs(turns) - errors)[known[known >= first]].min() <= least:
             continue
         joint, behind = names[0][first], " and ".join(names[1][first:])
