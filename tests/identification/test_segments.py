@@ -80,7 +80,7 @@ def test_segments_lose_no_row_to_the_filter():
 def test_a_dead_torque_channel_outside_the_segments_is_none():
     tau = np.where(mask()[:, None], swing().torque, 0.0)
     assert error(dataclasses.replace(segmented(), tau=tau)) < 1e-4
-    with pytest.raises(ExoidError, match="is 0 N·m in 61% of the samples"):
+    with pytest.raises(ExoidError, match="is 0 N·m in 61% of samples"):
         error(dataclasses.replace(log(), tau=tau))
 
 
