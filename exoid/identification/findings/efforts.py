@@ -20,7 +20,7 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
     """Give torques of one sign the signs of a fit, beginning with the URDF's, and see whether it becomes far better."""
     fitted, model, free = checked.fitted, checked.fitted.model, ~np.isfinite(checked.fitted.fixed)
     count, urdf, solution = len(model.names), model.leg.parameters, np.nan_to_num(fitted.fixed)
-    logged = np.vstack([one.tau for one in fitted.data if one.tau is not None])
+    logged = np.vstack([x.tau if x.mask is None else x.tau[x.mask] for x in fitted.data if x.tau is not None])
     low, high, size = logged.min(axis=0), logged.max(axis=0), np.abs(logged)
     alike, poor = low * high >= 0.0, checked.nrmse > 0.25 * POOR
     if not (alike & poor & (size.min(axis=0) < 0.1 * size.std(axis=0))).any():  # one that stays off zero has a sign
