@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
 from exoid.regression.diagnostics import other_scale
-from exoid.regression.least_squares import TINY, scaled_inverse
+from exoid.regression.least_squares import scaled_inverse
 from exoid.signals import Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD
 from exoid.torques import TorqueModel
@@ -68,8 +68,8 @@ def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
         if scaled and (scale := other_scale(table[:3])) != 1.0:
             text = f"all torques of {described} are {scale:.2g} times what the other logs say"
             yield Finding("torque-scale", "", scale, "1", "error", text, remedy, None, fitted.problem.names, name)
-        shares = np.sqrt(table[2] / np.maximum(table[3] * [most[row] for row in of_rows], TINY))
-        row, share = of_rows[int(np.argmax(shares))], float(shares.max())
+        shares = np.sqrt(table[2] / (np.maximum(table[3], 1.0) * [most[row] or np.inf for row in of_rows]))
+        row, share = of_rows[int(np.argmax(shares))], float(shares.max())  # a passive row has none
         if not scaled and share > UNLIKE:  # its rows lose their weight, so that no parameter shows it
             text = f"{share:.0%} of the torque of {row} is unexplained in {described}"
             yield Finding("large-residual", row, share, "1", "warning", text, remedy, recording=name)

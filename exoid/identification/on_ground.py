@@ -258,7 +258,7 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
     kind, cause = "wrong-contact", "a contact is labelled wrongly, slips, or another force acts"
     remedy, where = "check friction terms, contacts and other forces on the leg", recording.file_name
     if support == MEASURED:  # with a load cell alone no contact can be labelled wrongly: the model may be poor
-        kind, cause = "large-residual", "friction has another form, or another force acts"
+        kind, cause, support = "large-residual", "friction has another form, or another force acts", "measured forces"
     elif kept:
         severity = "error"
     text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; "

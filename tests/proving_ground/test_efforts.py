@@ -63,6 +63,13 @@ def test_torques_with_sign_and_gravity_have_neither_finding(seed):
     assert not kinds
 
 
+def test_a_passive_joint_has_no_torque_that_a_model_could_leave_unexplained():
+    recording = log(1)
+    noise = np.random.default_rng(0).standard_normal(recording.tau.shape)
+    noisy = replace(recording, tau=recording.tau * (1.0 + 0.08 * noise))
+    assert not [one for one in exoid.check(draw(1).leg(), noisy) if one.joint == "j4"]
+
+
 def test_a_knee_that_only_carries_has_a_sign():
     """Gravity and little friction: the torque comes near zero, and never changes its sign."""
     leg = exoid.load_leg("cuhk")

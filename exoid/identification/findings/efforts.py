@@ -20,7 +20,8 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
     """Give torques of one sign the signs of a fit, beginning with the URDF's, and see whether it becomes far better."""
     fitted, model, free = checked.fitted, checked.fitted.model, ~np.isfinite(checked.fitted.fixed)
     count, urdf, solution = len(model.names), model.leg.parameters, np.nan_to_num(fitted.fixed)
-    logged = np.vstack([x.tau if x.mask is None else x.tau[x.mask] for x in fitted.data if x.tau is not None])
+    inside = [one.mask if isinstance(one, Recording) and one.mask is not None else ... for one in fitted.data]
+    logged = np.vstack([one.tau[part] for one, part in zip(fitted.data, inside, strict=True) if one.tau is not None])
     low, high, size = logged.min(axis=0), logged.max(axis=0), np.abs(logged)
     alike, poor = low * high >= 0.0, checked.nrmse > 0.25 * POOR
     if not (alike & poor & (size.min(axis=0) < 0.1 * size.std(axis=0))).any():  # one that stays off zero has a sign
@@ -84,10 +85,10 @@ def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
     left, less = (fit_torques(fitted, torques)[0].mean() for torques in (full, bare))
     if less > left + np.log(1.2):  # gravity may point elsewhere
         return
+    share = gravity / inertia
     message = (
-        f"the torques contain {abs(gravity / inertia):.0%} of the gravity torque that goes with their inertial part: "
+        f"the torques contain {abs(share):.0%} of the gravity torque that goes with their inertial part: "
         "they are efforts without gravity, or the leg lies on its side"
     )
     remedy = "log currents or raw torques, add the controller's gravity torque, or turn the base in the URDF"
-    kind, share = "gravity-compensated-effort", gravity / inertia
-    yield Finding(kind, "", share, "1", "error", message, remedy, parameters=model.names)
+    yield Finding("gravity-compensated-effort", "", share, "1", "error", message, remedy, parameters=model.names)

@@ -219,8 +219,7 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
 def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) -> Iterator[Finding]:
     """Find joints whose torque the model does not explain, nor, by the RMS residuals left, faults that were found."""
     model, wrong = checked.fitted.model, 0.5 if impossible else 0.9
-    for j, joint in enumerate(model.joint_names):
-        nrmse = float(checked.nrmse[j])
+    for j, (joint, nrmse) in enumerate(zip(model.joint_names, checked.nrmse.tolist(), strict=True)):
         # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
         lasting = checked.persistence[j] > 0.5 and left[j] > 0.15 * checked.spread[j]
         if nrmse <= (0.15 if lasting else 0.5):
