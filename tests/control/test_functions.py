@@ -1,13 +1,14 @@
 """Functions are data: feet stay where they bear, stairs are cleared, limits are kept, and a stride comes from a CSV."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from exoid import ExoidError, load_exo, load_leg
+from exoid import ExoidError, Leg, load_exo, load_leg
 from exoid.control import functions
-from exoid.control.functions import FUNCTIONS, PHASE, SIDES, Body, joint_angles
+from exoid.control.functions import FUNCTIONS, PHASE, SIDES, Body, contact_name, joint_angles
 from exoid.control.functions.walk import stride_flexion
 from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
 from exoid.signals.link_wrenches import link_placements
@@ -87,6 +88,19 @@ def test_joint_angles_reach_the_planned_places(machine, body):
         np.testing.assert_allclose(
             hip + place[:, 0] + 1j * place[:, 2], soles(body, function)[k].mean(axis=1), rtol=0, atol=1e-9
         )
+
+
+def test_legs_are_told_by_the_names_of_their_joints(tmp_path, machine, body):
+    """Pinocchio sorts limbs by name, so that "droite" is before "gauche". Links may have any name."""
+    text, path = machine[0].description.text, tmp_path / "leg.urdf"
+    path.write_text(re.sub(r'(link(?: name)?=")(left|right)', r"\1foot_\2", text))
+    other = Leg.from_urdf(path, base="floating")
+    assert [contact_name(other, link) for link in other.link_names] == np.repeat(
+        SIDES, len(other.link_names) // 2
+    ).tolist()
+    path.write_text(text.replace("left", "gauche").replace("right", "droite"))
+    with pytest.raises(ExoidError, match="begin with"):
+        joint_angles(Leg.from_urdf(path, base="floating"), functions.stand(body).flexion)
 
 
 def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):

@@ -11,6 +11,7 @@ from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.ground.posture import two_links
 from exoid.leg.leg import Leg
+from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import Sole
 from exoid.tools.numbers import checked
 
@@ -129,8 +130,8 @@ def joint_angles(leg: Leg, flexion: FloatArray) -> FloatArray:
     """Convert flexion of both legs to the joint angles of a machine, for any direction of its axes.
 
     Args:
-        leg: Planar machine of two legs with hip, knee and perhaps ankle, left first.
-        flexion: Flexion [rad], (K, 2, 3).
+        leg: Planar machine of two legs with hip, knee and perhaps ankle; names of joints begin with the side.
+        flexion: Flexion of the left and of the right leg [rad], (K, 2, 3).
 
     Returns:
         Angles [rad], (K, n).
@@ -138,27 +139,27 @@ def joint_angles(leg: Leg, flexion: FloatArray) -> FloatArray:
     Raises:
         ExoidError: The machine has not two such legs.
     """
-    if len(leg.limbs) != len(SIDES) or any(limb.chain.n not in (2, 3) for limb in leg.limbs):
-        raise BadArgumentError("no functions for these legs", where=leg.description.name, remedy="use two planar legs")
-    return np.hstack(
-        [flexion[:, k, : limb.chain.n] * (TURNS[: limb.chain.n] * limb.chain.signs) for k, limb in enumerate(leg.limbs)]
-    )
+    if {limb.label for limb in leg.limbs} != {*SIDES} or any(limb.chain.n not in (2, 3) for limb in leg.limbs):
+        remedy = 'use two planar legs, whose joints have names that begin with "left" and "right"'
+        raise BadArgumentError("no functions for these legs", where=leg.description.name, remedy=remedy)
+    own = [(limb.chain, flexion[:, SIDES.index(limb.label)]) for limb in leg.limbs]
+    return np.hstack([angles[:, : chain.n] * (TURNS[: chain.n] * chain.signs) for chain, angles in own])
 
 
 def legs_flexion(leg: Leg, q: FloatArray) -> FloatArray:
     """Convert joint angles to flexion of both legs, the inverse of :func:`joint_angles`.
 
     Args:
-        leg: Planar machine of two legs with hip, knee and perhaps ankle, left first.
+        leg: Planar machine as there.
         q: Angles [rad], (K, n).
 
     Returns:
-        Flexion [rad], (K, 2, 3); zero of a missing ankle.
+        Flexion of the left and of the right leg [rad], (K, 2, 3); zero of a missing ankle.
     """
     out = np.zeros((len(q), 2, 3))
-    for k, limb in enumerate(leg.limbs):
+    for limb in leg.limbs:
         n = limb.chain.n
-        out[:, k, :n] = q[:, limb.joints] * (TURNS[:n] * limb.chain.signs)
+        out[:, SIDES.index(limb.label), :n] = q[:, limb.joints] * (TURNS[:n] * limb.chain.signs)
     return out
 
 
@@ -166,10 +167,11 @@ def contact_name(leg: Leg, link: str) -> str:
     """Name the contact of a link.
 
     Args:
-        leg: Machine whose feet are on links that begin with their side.
+        leg: Machine of two legs, as there.
         link: The link.
 
     Returns:
         "left", "right", or "seat" of the root link.
     """
-    return SEAT if link == leg.description.root_link else next(side for side in SIDES if link.startswith(side))
+    body, _ = link_frame(leg.model, leg.description, link)
+    return next((limb.label for limb in leg.limbs if limb.joints.start <= body < limb.joints.stop), SEAT)

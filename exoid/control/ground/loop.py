@@ -243,7 +243,8 @@ class CoordinatedLoop(LawLoop):
             return -DAMPING * reading.v
         (torque, q), known = self._held, self._memory.known
         # a joint whose reading froze has no error and no speed: it keeps its torque, but not in a leg in the air
-        frozen, bears = np.resize(self._told.frozen, len(q)), np.repeat([side in known for side in SIDES], len(q) // 2)
+        limbs, frozen = self.law.model.leg.limbs, np.resize(self._told.frozen, len(q))
+        bears = np.repeat([limb.label in known for limb in limbs], [limb.chain.n for limb in limbs])
         stiff = self.coordinator.limit / GIVES
         return np.where(frozen, bears * torque, torque + stiff * (q - reading.q - SLOWS * reading.v))
 
@@ -322,8 +323,8 @@ class CoordinatedLoop(LawLoop):
             rate += 1.0 / dt  # of a cyclic function
         late = self.coordinator.functions[now.function].expected(now.phase) - bears
         lower, speed = np.zeros(len(x)), slope * rate
-        for limb, side in zip(self.law.model.leg.limbs, SIDES, strict=True):
-            own = limb.joints
+        for limb in self.law.model.leg.limbs:
+            own, side = limb.joints, limb.label
             if side in lands:  # early or late: it stays where it is, or both legs would press against each other
                 self._since[own], self._off[own] = 0.0, q[own] - x[own]
             self._late[side] = min(self._late[side] + dt, LONGEST) * (side in late)
