@@ -154,7 +154,9 @@ def _table(drive: Drive | Coupling) -> dict[str, Any]:
     """Table of a drive."""
     kind = next((name for name, each in KINDS.items() if type(drive) is each), None)
     if isinstance(drive, Motor | SeriesElastic):
-        return {"type": kind, **_settings(drive)}
+        found = {field.name: getattr(drive, field.name) for field in fields(drive)}
+        numbers = {name: float(value) for name, value in found.items() if value is not None}
+        return {"type": kind, **{each.field: UNKNOWN for each in drive.unknown}, **numbers}
     if isinstance(drive, Coupling):
         return {"type": kind, "joints": [*drive.joints], "matrix": [[*row] for row in drive.matrix]}
     if isinstance(drive, LinearActuator):
@@ -171,10 +173,3 @@ def _table(drive: Drive | Coupling) -> dict[str, Any]:
                 **limit,
             }
     raise NotSupportedError(f"{drive!r} has no form in a file", remedy="use the drives of exoid.actuators")
-
-
-def _settings(drive: Motor | SeriesElastic) -> dict[str, Any]:
-    """Settings that are not None; an unknown constant of a motor is a word."""
-    found = {field.name: getattr(drive, field.name) for field in fields(drive)}
-    numbers = {name: float(value) for name, value in found.items() if value is not None}
-    return {**{each.field: UNKNOWN for each in drive.unknown}, **numbers}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.actuators import Actuators, Coupling, Drive, Motor, motor_terms
+from exoid.actuators import Actuators, Coupling, Drive, Motor
 from exoid.actuators.constants import DriveConstant, unknown_constants, with_constants
 from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.leg.leg import Leg
@@ -74,12 +74,6 @@ def computed_joints(leg: Leg, data: Data, actuators: Actuators) -> set[str]:
     names = {name for one in some if isinstance(one, Recording) for name in one.computed}
     labels = zip(leg.joint_names, leg.joint_labels, strict=True)
     return {joint for joint, label in labels if joint in every and names & {joint, label}}
-
-
-def coupled_terms(actuators: Actuators, computed: set[str]) -> tuple[Term, ...]:
-    """Friction and rotors of coupled motors, where torque was computed of these motors."""
-    used = [coupling for coupling in actuators.couplings.values() if computed & set(coupling.joints)]
-    return tuple(term for coupling in used for term in motor_terms(coupling))
 
 
 def known_rotors(

@@ -8,7 +8,7 @@ from itertools import combinations, product
 
 import numpy as np
 
-from exoid.actuators import Actuators
+from exoid.actuators import Actuators, motor_terms
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.estimate.late_velocity import without_late_velocity
@@ -21,7 +21,7 @@ from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import terms_of
 
 from .drive_constants import refuse_unknown_scale
-from .drives import Drives, computed_joints, coupled_terms, drive_groups, known_rotors, refuse_beside_unknown
+from .drives import Drives, computed_joints, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .findings.repeats import counted_once
 from .group_rows import Group, Measured, check_recordings
@@ -70,8 +70,10 @@ def begin(
         pairs, mounted = drive_groups(pairs, actuators)
         name, drives = next(iter(mounted.items()))  # drives of all groups are alike
         computed = computed_joints(*pairs[name], drives)
-        chosen = (*chosen, *coupled_terms(drives, computed)) if terms is None else chosen
-        # known rotors are held; coupled motors have terms of their own
+        if terms is None:  # coupled motors have terms of their own
+            used = [coupling for coupling in drives.couplings.values() if computed & set(coupling.joints)]
+            chosen = (*chosen, *(term for coupling in used for term in motor_terms(coupling)))
+        # known rotors are held
         known = known_rotors(pairs[name][0], drives, computed, chosen, knowledge)
         knowledge = replace(knowledge, known=known)
         refuse_beside_unknown(mounted, estimator, chosen, delay, knowledge.names)

@@ -8,7 +8,6 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 
 from .base_kinematics import BaseKinematics
-from .dynamics import mass_matrix
 from .reduction import Plane
 
 FREE_ROWS = ("base_fx", "base_fy", "base_fz", "base_mx", "base_my", "base_mz")
@@ -38,12 +37,6 @@ def rest(gravity: FloatArray, count: int) -> BaseKinematics:
     """Motion of a base that stands upright and still."""
     still = np.zeros((count, 3))
     return BaseKinematics(still, still, np.tile(-gravity, (count, 1)))
-
-
-def floating_mass_matrix(free: pin.Model, coordinates: FloatArray, q: FloatArray) -> FloatArray:
-    """Compute the mass matrix of base coordinates and joints."""
-    M = mass_matrix(free, np.hstack([np.zeros((len(q), 6)), q]))
-    return project_columns(project_columns(M, coordinates).swapaxes(1, 2), coordinates)
 
 
 def project_columns(matrix: FloatArray, coordinates: FloatArray) -> FloatArray:

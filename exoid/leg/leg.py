@@ -19,7 +19,7 @@ from exoid.tools.numbers import checked
 from .closure import Closure
 from .description import Description, read_description
 from .dynamics import SegmentPlacements, inverse_dynamics, inverse_dynamics_on_base, joint_frames, mass_matrix
-from .floating_base import floating_mass_matrix, free_flyer_model, project_columns
+from .floating_base import free_flyer_model, project_columns
 from .leg_data import LARGEST_BALL, Base, Contact, LegData, to_numbers, without_side
 from .link_frames import held_directions, link_frame, lowest_point
 from .loops import Loops
@@ -216,7 +216,8 @@ class Leg(LegData):
         """
         (q,) = self.samples(q)
         if self.base == "floating":
-            return floating_mass_matrix(self._free, self._base_coordinates, q)
+            M = mass_matrix(self._free, np.hstack([np.zeros((len(q), 6)), q]))
+            return project_columns(project_columns(M, self._base_coordinates).swapaxes(1, 2), self._base_coordinates)
         tree = self.tree_motion(q)
         return tree.project(tree.project(mass_matrix(self.model, tree.q)).swapaxes(1, 2))
 

@@ -25,7 +25,7 @@ from .reduction.reduction import Reduction
 from .reduction.tree import Tree
 from .reduction.tree_regressor import fill_reduced_regressor
 from .rewriting import RAIL
-from .torso import MovingBase, base_kinematics, torso_samples
+from .torso import MovingBase, TorsoMotion, base_kinematics
 
 Base = Literal["fixed", "moving", "floating", "x", "y", "z"]
 """Whether the base of the leg stands, moves in space, floats, or moves along one axis, that of a rail.
@@ -227,8 +227,11 @@ class LegData:
             ExoidError: The base of a leg moves that is neither a planar chain nor made for that.
         """
         if self.machine is not None:
-            floating = self.base == "floating"  # its rows are in axes that turn with it
-            within = None if torso is None else torso_samples(torso, len(q), self.plane, self.hip, turning=floating)
+            within = None
+            if isinstance(torso, TorsoMotion) and self.base != "floating":
+                within = torso.samples(len(q))
+            elif torso is not None:  # rows of a floating base are in axes that turn with it
+                within = self._base(torso, len(q)).in_plane(self.plane, self.hip)
             self.machine.fill_regressor(q, v, a, out, cumulative=self.cumulative, torso=within)
         elif torso is None or self.base != "fixed":
             base = None if torso is None else self._base(torso, len(q)).spatial()

@@ -98,10 +98,3 @@ def base_kinematics(base: MovingBase, count: int, plane: Plane, hip: FloatArray)
 def tilted_gravity(plane: Plane, pitch: float) -> FloatArray:
     """Gravity in the axes of a tilted torso [m/s²], (3,)."""
     return np.asarray(-base_kinematics(TorsoMotion(pitch), 1, plane, np.zeros(3)).specific_force[0])
-
-
-def torso_samples(base: MovingBase, count: int, plane: Plane, hip: FloatArray, *, turning: bool) -> TorsoSamples:
-    """Take the part of a motion that lies in the plane of the leg, in axes that turn with the base if asked for."""
-    if isinstance(base, TorsoMotion) and not turning:
-        return base.samples(count)
-    return base_kinematics(base, count, plane, hip).in_plane(plane, hip)

@@ -135,7 +135,9 @@ class Stepper:
             Energy [J], (B,).
         """
         rotors = 0.5 * (self.plant.armature * self.v**2).sum(axis=0)
-        return np.asarray(self._bodies.energy(self.q, self.v) + rotors + spring_energy(self.plant, self.q))
+        (b2, b1, b0), q = self.plant.stiffness, self.q
+        springs = (((b2 / 3.0 * q + b1 / 2.0) * q + b0) * q).sum(axis=0)
+        return np.asarray(self._bodies.energy(q, self.v) + rotors + springs)
 
     def _with_stops(self) -> Friction:
         if not self._stops:
@@ -146,9 +148,3 @@ class Stepper:
             return self._friction
         kinetic, low, high, _ = self._friction
         return Friction(kinetic, np.where(at_lower, -np.inf, low), np.where(at_upper, np.inf, high))
-
-
-def spring_energy(plant: Plant, q: FloatArray) -> FloatArray:
-    """Compute the energy of the springs, b2 q³/3 + b1 q²/2 + b0 q summed over joints."""
-    b2, b1, b0 = plant.stiffness
-    return np.asarray((((b2 / 3.0 * q + b1 / 2.0) * q + b0) * q).sum(axis=0))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import ArrayLike
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
@@ -67,8 +67,13 @@ class Wearer:
                 remedy="give a Leg, or use Wearer.build(leg, height, mass)",
             )
         refuse_floating_base(self.limb, "a wearer")
+        n = len(self.limb.joint_names)
         for name in IMPEDANCES:
-            object.__setattr__(self, name, _impedance(getattr(self, name), name, len(self.limb.joint_names)))
+            value = checked(getattr(self, name), f"{name} of the wearer", least=0.0, ndim=2)
+            if value.ndim > 0 and len(value) != n:
+                remedy = f"give one number, or one for each of {n}"
+                raise BadArgumentError(f"{name} of {len(value)} joints", remedy=remedy)
+            object.__setattr__(self, name, value[:, None] if value.ndim == 1 else value)
         if self.intention is None and np.any(self.muscle_stiffness):
             raise BadArgumentError(
                 "muscles with stiffness but without intention", remedy="give an intention, or muscle_stiffness=0"
@@ -132,11 +137,3 @@ class Wearer:
         """Say whether the wearer is active, and name the joints."""
         kind = "passive" if self.intention is None else "active"
         return f"Wearer({kind}, limb of {self.limb.description.name}: {', '.join(self.limb.joint_names)})"
-
-
-def _impedance(value: ArrayLike, name: str, n: int) -> FloatArray:
-    """Check numbers of each joint; (n,) becomes (n, 1)."""
-    array = checked(value, f"{name} of the wearer", least=0.0, ndim=2)
-    if array.ndim > 0 and len(array) != n:
-        raise BadArgumentError(f"{name} of {len(array)} joints", remedy=f"give one number, or one for each of {n}")
-    return array[:, None] if array.ndim == 1 else array

@@ -44,7 +44,9 @@ class Registry(Generic[T]):
             remedy = f"rename it: in files {self.what!r} has another use"
             raise BadArgumentError(f"{kind.__name__} has a field {self.what!r}", remedy=remedy)
         known = self.classes.get(name, kind)
-        if known is not kind and not _redefined(known, kind):
+        known_place, place = ((some.__module__, some.__qualname__) for some in (known, kind))
+        redefined = known_place == place and "<" not in kind.__qualname__  # as in a notebook whose cell runs twice
+        if known is not kind and not redefined:
             what = f"the {self.what} {name!r} exists: {known.__module__}.{known.__qualname__}"
             raise BadArgumentError(what, remedy=f"give {kind.__module__}.{kind.__qualname__} another name")
         self.classes[name] = kind
@@ -107,12 +109,6 @@ class Registry(Generic[T]):
                 f"the {self.what} {name!r} does not take {settings} ({error})",
                 remedy=f"its settings are {known}{version}",
             ) from error
-
-
-def _redefined(known: type, kind: type) -> bool:
-    """Tell whether a class is a new definition of another one, as in a notebook whose cell runs twice."""
-    places = [(some.__module__, some.__qualname__) for some in (known, kind)]
-    return places[0] == places[1] and "<" not in kind.__qualname__
 
 
 def _value_to_json(value: Any, where: str) -> Any:  # noqa: ANN401

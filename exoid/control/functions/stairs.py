@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import ComplexArray, FloatArray
 from exoid.experiments.references import minimum_jerk
 from exoid.tools.numbers import checked
 
@@ -45,10 +44,14 @@ def stairs(body: Body, *, up: bool = True, riser: float = 0.17, tread: float = 0
         tilt = dict.fromkeys(SIDES, 0.0 * PHASE)
     feet = {}
     for side, u in own.items():
-        s = np.clip((u - lift_off) / (1.0 - lift_off), 0.0, 1.0)
+        s = np.clip((u - lift_off) / (1.0 - lift_off), 0.0, 1.0)  # of its swing: up before forward, forward before down
+        early, late = minimum_jerk(s / 0.7), minimum_jerk((s - 0.3) / 0.7)
+        forward, raised = (late, early) if up else (early, late)
+        clearance = 0.05 * np.sin(np.pi * s) ** 2
+        swing = 2.0 * step.real * forward + 1j * (2.0 * step.imag * raised + clearance)
         # a foot turns about its toe, whose place is that of a level sole
         turned = 0.5 * (body.toe - body.heel) * (1.0 - np.exp(1j * tilt[side]))
-        feet[side] = begin[side] + _swing(s, 2.0 * step) + turned
+        feet[side] = begin[side] + swing + turned
     ahead, height = (0.3, 0.90) if up else (0.2, 0.94)
     # the hip rises or sinks while one foot bears it: at touch-down the leg behind, or that ahead, is long
     sunk = (2.0 * PHASE) // 1.0 + minimum_jerk((2.0 * PHASE) % 1.0)
@@ -59,11 +62,3 @@ def stairs(body: Body, *, up: bool = True, riser: float = 0.17, tread: float = 0
     order = tuple(zip((0.0, double, 0.5, 0.5 + double), sets, strict=True))
     name = "stairs up" if up else "stairs down"
     return placed(name, body, period, hip, np.zeros(len(PHASE)), order, feet=feet, tilt=tilt, cyclic=True)
-
-
-def _swing(s: FloatArray, way: complex) -> ComplexArray:
-    """Path of a swinging foot: up before forward, forward before down; s from 0 to 1."""
-    early, late = minimum_jerk(s / 0.7), minimum_jerk((s - 0.3) / 0.7)
-    forward, up = (late, early) if way.imag > 0.0 else (early, late)
-    clearance = 0.05 * np.sin(np.pi * s) ** 2
-    return np.asarray(way.real * forward + 1j * (way.imag * up + clearance))

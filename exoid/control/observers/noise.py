@@ -130,7 +130,14 @@ class NoiseBand(NamedTuple):
         false_alarms: float,
     ) -> NoiseBand:
         """Compute the gains of the observer's filters."""
-        responses, n, rate = filtered_noise(alignment, one), alignment.n, alignment.rate
+        n, rate = alignment.n, alignment.rate
+        smoothed = slope = pulse = np.array([1.0])
+        if alignment.filters is not None:
+            smoothed, slope = (each.impulse_response(pulse) for each in alignment.filters)
+        halves, steps = np.array([0.5, 0.5]), np.array([rate, -rate])
+        # impulse responses from noise of torques, measured velocities and angles to the reading, for M = 1
+        pairs = ((smoothed, halves), (smoothed, steps), (slope, steps))
+        responses = [one.impulse_response(np.convolve(a, b)) for a, b in pairs]
         gains = [float(h @ h) for h in responses]
         if noise is None:  # the band of the residuals alone, without detection
             white = np.maximum(gains[0] * residual.density * rate, residual.variance)
@@ -146,16 +153,6 @@ class NoiseBand(NamedTuple):
     def variance(self, M: FloatArray, *, derived: bool) -> FloatArray:
         """Variance of the reading at mass matrices (N, n, n), (N, n)."""
         return np.asarray(self.torque + M**2 @ (self.derived if derived else self.velocity))
-
-
-def filtered_noise(alignment: Alignment, one: JointFilter) -> list[FloatArray]:
-    """Impulse responses from noise of torques, measured velocities and angles to the reading, for M = 1."""
-    smoothed = slope = pulse = np.array([1.0])
-    if alignment.filters is not None:
-        smoothed, slope = (each.impulse_response(pulse) for each in alignment.filters)
-    halves, steps = np.array([0.5, 0.5]), np.array([alignment.rate, -alignment.rate])
-    pairs = ((smoothed, halves), (smoothed, steps), (slope, steps))
-    return [one.impulse_response(np.convolve(a, b)) for a, b in pairs]
 
 
 def threshold(per_minute: float, correlation: float, rate: float) -> float:

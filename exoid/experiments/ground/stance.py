@@ -133,7 +133,10 @@ def stance_motion(
     stance, legs = stance or Stance(), planar_legs(plant)
     stands = legs if standing is None else legs[standing : standing + 1]
     rng, time = np.random.default_rng(seed), knots(duration)
-    base, target = _torso(time, stance, rng)
+    height = stance.height + wave(time, stance.squat, stance.frequency, rng)
+    pitch = stance.lean + wave(time, stance.bow, 0.83 * stance.frequency, rng)
+    target = wave(time, stance.shift, 1.21 * stance.frequency, rng)  # of the centre of mass, forward
+    base = np.column_stack([np.zeros_like(time), height, pitch])
     q = np.zeros((len(time), len(plant.leg.joint_names)))
     swings = [leg for leg in legs if leg.foot not in [other.foot for other in stands]]
     for leg in swings:
@@ -142,10 +145,10 @@ def stance_motion(
         q[:, leg.joints] = leg.flexion(1.2, 1.65, 0.4) + np.column_stack(waves)
     _balance(plant, q, stands, base, target)
     for leg in swings:
-        height = float(leg.points(base, q).imag.min())
-        if height < 0.01:  # m
+        lowest = float(leg.points(base, q).imag.min())
+        if lowest < 0.01:  # m
             raise BadArgumentError(
-                f"{leg.foot} would swing {1e3 * height:.3g} mm above the ground",
+                f"{leg.foot} would swing {1e3 * lowest:.3g} mm above the ground",
                 remedy="raise the torso, or swing less",
             )
     bearings = {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in stands}
@@ -175,14 +178,6 @@ def swing(plant: GroundPlant, duration: float = 30.0, *, scale: float = 1.0, see
             q[:, leg.joints.start + k] = centre[k] + wave(time, scale * amplitude, (1 + 0.2 * k) * 0.6, rng)
     base = np.tile([0.0, 1.4, 0.0], (len(time), 1))
     return follow(plant, planned_motion(plant, time, q, base, {}), SWING_GAINS, spring=CLAMP)
-
-
-def _torso(time: FloatArray, stance: Stance, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-    """Reference of the torso, and place of the centre of mass forward."""
-    height = stance.height + wave(time, stance.squat, stance.frequency, rng)
-    pitch = stance.lean + wave(time, stance.bow, 0.83 * stance.frequency, rng)
-    target = wave(time, stance.shift, 1.21 * stance.frequency, rng)
-    return np.column_stack([np.zeros_like(time), height, pitch]), target
 
 
 def _balance(

@@ -70,7 +70,10 @@ def walking(plant: GroundPlant, duration: float = 30.0, *, period: float = 1.4) 
     window = 0.03 * period * KNOTS  # smooths speed and height of the torso
     bearing = _bearings(plant, places, window)
     low = np.min([place.imag.min(axis=1) for place in places.values()], axis=0)
-    base[:, 0] = _travel(places, bearing, window)
+    # the torso travels so that the feet that bear it stand still
+    speeds = [np.gradient(place.real.mean(axis=1), 1.0 / KNOTS) * bearing[foot].share for foot, place in places.items()]
+    speed = -np.sum(speeds, axis=0) / np.sum([each.share for each in bearing.values()], axis=0)
+    base[:, 0] = np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS
     base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
     for leg in legs:
         q[:, leg.joints] = _cleared(leg, base, places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2]))
@@ -100,13 +103,6 @@ def _bearings(plant: GroundPlant, places: dict[str, ComplexArray], window: float
         share = scipy.ndimage.gaussian_filter1d(np.clip(load.sum(axis=1) / total, 1e-3, 1.0), window)
         out[foot] = Bearing(share, scipy.ndimage.gaussian_filter1d(point, window, axis=0))
     return out
-
-
-def _travel(places: dict[str, ComplexArray], bearing: dict[str, Bearing], window: float) -> FloatArray:
-    """Place of a torso whose bearing feet stand still [m], (K,)."""
-    speeds = [np.gradient(place.real.mean(axis=1), 1.0 / KNOTS) * bearing[foot].share for foot, place in places.items()]
-    speed = -np.sum(speeds, axis=0) / np.sum([each.share for each in bearing.values()], axis=0)
-    return np.asarray(np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS)
 
 
 def healthy_flexion(phase: FloatArray, scale: float) -> FloatArray:

@@ -128,15 +128,10 @@ def _phase(function: Function, time: FloatArray, seconds: float) -> FloatArray:
     if function.name.startswith("stairs"):
         most = (STEPS - 2) // 2
         if phase[-1] > most:  # it waits at the end of the stairs
-            return np.minimum(phase, _soft(phase, most))
+            room = 0.5  # cycles in which it slows down: x − x²/4r ends at r for x = 2r
+            x = np.clip(phase - (most - room), 0.0, 2.0 * room)
+            return np.minimum(phase, np.minimum(phase, most - room) + x - x * x / (4.0 * room))
     return np.asarray(phase * max(1.0, np.floor(phase[-1])) / phase[-1])
-
-
-def _soft(phase: FloatArray, most: float) -> FloatArray:
-    """Bend a phase so that it ends at a number of cycles."""
-    room = 0.5  # cycles in which it slows down: x − x²/4r ends at r for x = 2r
-    x = np.clip(phase - (most - room), 0.0, 2.0 * room)
-    return np.asarray(np.minimum(phase, most - room) + x - x * x / (4.0 * room))
 
 
 def _ground(plant: GroundPlant, name: str, body: Body, options: Mapping[str, float]) -> GroundPlant:

@@ -226,10 +226,11 @@ def _walk(machine: Leg, known: Estimate, walk: Recording, bias_error: float) -> 
     """Identify the legs from the swing of a walk; friction and rotors are those of another estimate."""
     legs = {side: load_leg("bleex", side=side) for side in SIDES}
     logs = {side: swinging_leg(walk, leg, side) for side, leg in legs.items()}
-    estimates = {
-        side: identify(leg, logs[side], TERMS, known=_resistances(known, side, leg), preparation=WALKING, check=False)
-        for side, leg in legs.items()
-    }
+    estimates = {}
+    for side, leg in legs.items():
+        pairs = [(symbol, label) for symbol in ("c0", "d", "Ia") for label in leg.joint_labels]
+        given = {f"{symbol}_{label}": known[f"{symbol}_{side}_{label}"].value for symbol, label in pairs}
+        estimates[side] = identify(leg, logs[side], TERMS, known=given, preparation=WALKING, check=False)
     return WalkReplay(
         estimates=MappingProxyType(estimates),
         seconds={side: np.count_nonzero(np.asarray(log.mask)) / log.sample_rate for side, log in logs.items()},
@@ -253,15 +254,6 @@ def swinging_leg(walk: Recording, leg: Leg, side: str) -> Recording:
         base=walk.base,
         mask=mask,
     )
-
-
-def _resistances(estimate: Estimate, side: str, leg: Leg) -> dict[str, float]:
-    """Friction and rotors of one leg by the names of a leg of its own."""
-    return {
-        f"{symbol}_{label}": estimate[f"{symbol}_{side}_{label}"].value
-        for symbol in ("c0", "d", "Ia")
-        for label in leg.joint_labels
-    }
 
 
 def _disturbed(before: Estimate, after: Estimate, kinds: Sequence[str]) -> Disturbed:

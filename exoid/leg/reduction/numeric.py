@@ -71,8 +71,11 @@ def numeric(
     W = regressor(model, closure)
     rng = np.random.default_rng(seed)
     changes = [regressor(*_rounded(model, closure, rng)) - W for _ in range(DRAWS)]
-    scale = _column_scale(W, changes)
-    nonzero = np.flatnonzero(np.linalg.norm(W, axis=0) > ROUNDED * scale.max())
+    # the length of a column; where that is hardly more than rounding, a length that keeps the column short
+    length = np.linalg.norm(W, axis=0)
+    shortest = SHORTEST * np.sqrt(np.mean([np.sum(change**2, axis=0) for change in changes], axis=0))
+    scale = np.maximum(np.maximum(length, shortest), ROUNDED * length.max())
+    nonzero = np.flatnonzero(length > ROUNDED * scale.max())
     unit = W[:, nonzero] / scale[nonzero]
     changed = [change[:, nonzero] / scale[nonzero] for change in changes]
     r = _decide_rank(unit, changed, closed=closure is not None)
@@ -80,8 +83,8 @@ def numeric(
     kept, grouped = nonzero[order[:r]], nonzero[order[r:]]
     weights = np.zeros((r, W.shape[1]))
     if len(grouped):
-        length = scale / _preferences(np.arange(W.shape[1]), W.shape[1])
-        ratio = scipy.linalg.solve_triangular(R[:r, :r], R[:r, r:]) * length[grouped] / length[kept][:, None]
+        unit_of = scale / _preferences(np.arange(W.shape[1]), W.shape[1])
+        ratio = scipy.linalg.solve_triangular(R[:r, :r], R[:r, r:]) * unit_of[grouped] / unit_of[kept][:, None]
         weights[:, grouped] = np.where(np.abs(ratio) > ROUNDED, ratio, 0.0)
     weights[np.arange(r), kept] = 1.0
     ascending = np.argsort(kept)
@@ -133,13 +136,6 @@ def _rounded(model: pin.Model, closure: Closure | None, rng: np.random.Generator
         return copy, None
     pairs = (each._replace(places=each.places + rng.uniform(-ROUNDING, ROUNDING, (2, 3))) for each in closure.pairs)
     return copy, replace(closure, model=copy, pairs=tuple(pairs))
-
-
-def _column_scale(W: FloatArray, changes: Sequence[FloatArray]) -> FloatArray:
-    """Length of each column; where that is hardly more than rounding, a length that keeps the column short."""
-    length = np.linalg.norm(W, axis=0)
-    rounded = SHORTEST * np.sqrt(np.mean([np.sum(change**2, axis=0) for change in changes], axis=0))
-    return np.asarray(np.maximum(np.maximum(length, rounded), ROUNDED * length.max()))
 
 
 def _decide_rank(unit: FloatArray, changes: Sequence[FloatArray], *, closed: bool) -> int:

@@ -81,7 +81,9 @@ class PlanarChain:
         axes = np.array([jacobian[:, j - 1] for j, jacobian in zip(joints, jacobians, strict=True)])
         if not axes[:, 3:].any(axis=1).all():  # a prismatic joint
             return None
-        plane = _plane(axes[0, 3:], -gravity / GRAVITY)
+        lateral = axes[0, 3:] / np.linalg.norm(axes[0, 3:])
+        lateral, up = lateral * np.sign(lateral[np.argmax(np.abs(lateral))]), -gravity / GRAVITY
+        plane = Plane(np.cross(lateral, up), lateral, up)
         signs = -np.round(axes[:, 3:] @ plane.lateral)
         parallel = np.allclose(axes[:, 3:], -signs[:, None] * plane.lateral, atol=ROUNDED) and signs.all()
         if not parallel or abs(plane.lateral @ plane.up) > ROUNDED:
@@ -143,9 +145,3 @@ def cosine_and_sine(angle: FloatArray, out: tuple[FloatArray, FloatArray]) -> No
     double = 2.0 / (1.0 + t * t)
     np.subtract(double, 1.0, out=out[0])
     np.multiply(double, t, out=out[1])
-
-
-def _plane(axis: FloatArray, up: FloatArray) -> Plane:
-    lateral = axis / np.linalg.norm(axis)
-    lateral = lateral * np.sign(lateral[np.argmax(np.abs(lateral))])
-    return Plane(np.cross(lateral, up), lateral, up)

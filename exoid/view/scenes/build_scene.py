@@ -77,8 +77,10 @@ def scene(
     ]
     if tracks := {path: track for view in views for path, track in view.drawing.tracks.items()}:
         commands.append(set_animation(tracks))
+    robot = Path(geometries[0].leg.description.name).stem
+    names = [robot, *(name for name in map(_leg_name, geometries) if name != robot)]
     return Scene(
-        title or _title(geometries),
+        title or ", ".join(names),
         tuple(commands),
         _merge([(_leg_name(geometry), view.drawing.layers) for geometry, view in zip(geometries, views, strict=True)]),
         camera(np.vstack([view.seen for view in views]), direction),
@@ -127,12 +129,6 @@ def _check_joints(geometries: Sequence[LegGeometry], recording: Recording) -> No
             f"none of the logged joints ({', '.join(recording.joint_names)}) belongs to the leg",
             remedy=f"map the log's columns to {', '.join(sorted(names))}",
         )
-
-
-def _title(geometries: Sequence[LegGeometry]) -> str:
-    """Name of the robot, and names of its legs where they differ from that."""
-    robot = Path(geometries[0].leg.description.name).stem
-    return ", ".join([robot, *(name for name in map(_leg_name, geometries) if name != robot)])
 
 
 def _leg_name(geometry: LegGeometry) -> str:

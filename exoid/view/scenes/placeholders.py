@@ -16,7 +16,9 @@ BAR, FRAME = Material("#b3b8bf"), Material("#4a4e55")
 
 def body_placeholder(skeleton: Skeleton, body: int, colour: str) -> list[Visual]:
     """Make a hub in the colour of the joint, and bars to the next joints or through the centre of mass."""
-    size, axis = _segment_length(skeleton), skeleton.axes[body - 1]
+    longest = max((float(np.linalg.norm(place[:3, 3])) for place in skeleton.placements[1:]), default=0.0)
+    size = longest if longest > 0.1 * skeleton.reach else skeleton.reach  # of a segment [m]
+    axis = skeleton.axes[body - 1]
     hub = cylinder(0.1 * size, 0.14 * size, Material(colour)).placed(homogeneous(np.zeros(3), align_z(axis)))
     return [hub, *(_bar(end, axis, size) for end in _segment_ends(skeleton, body, size))]
 
@@ -35,10 +37,3 @@ def _bar(end: FloatArray, axis: FloatArray, size: float) -> Visual:
     """Make a bar from the joint to a point of the body."""
     length = float(np.linalg.norm(end))
     return box((0.09 * size, 0.055 * size, length), BAR).placed(homogeneous(0.5 * end, align_z(end, axis)))
-
-
-def _segment_length(skeleton: Skeleton) -> float:
-    """Typical length of a segment [m]."""
-    lengths = [float(np.linalg.norm(placement[:3, 3])) for placement in skeleton.placements[1:]]
-    longest = max(lengths, default=0.0)
-    return longest if longest > 0.1 * skeleton.reach else skeleton.reach
