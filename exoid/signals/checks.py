@@ -151,13 +151,13 @@ def refuse_degrees(q: FloatArray, columns: Sequence[str], largest: float, where:
         raise BadArgumentError(f"largest_angle is {largest}", remedy="pass a positive angle in rad, or math.inf")
     size = np.abs(q)
     if size.size and size.max() > largest:
-        value, _, place = _cell(size, q, columns, where)
+        value, name, place = _cell(size, q, columns, where)
         raise UnreadableInputError(
-            f"an angle of {value:.6g} rad (limit {largest:.4g} rad) looks like degrees",
+            f"an angle of {value:.6g} rad (limit {largest:.4g} rad) looks like degrees, or a slide in mm",
             **place,
             remedy='pass angle_unit="deg" where the file is read (--degrees) or np.deg2rad(q) to Recording; '
             "if the joint really turns that far, largest_angle=math.inf",
-            command="give --degrees, or --radians if the joint really turns that far",
+            command=f"give --degrees, --column {name}=HEADER:0.001 for mm, or --radians if it really turns so far",
         )
 
 

@@ -14,6 +14,7 @@ from . import checks
 from .wrench import Wrench
 
 V = TypeVar("V")
+LEAST = 5.0  # a foot that bears less is not on the ground, or its force is in kN [N]
 
 
 class ReadOnlyDict(dict[str, V]):
@@ -93,14 +94,14 @@ def refuse_contradictions(time: FloatArray, wrenches: Mapping[str, Wrench], cont
                 f"the contact of {link} is never 1, and its wrench exceeds 50 N for {missed:.3g} s",
                 remedy=f"check the foot switch, or find the contact by exoid.signals.contacts_from_wrench of {link}",
             )
-        if without > 50.0 and with_contact < 0.2 * without:
+        if without > LEAST and with_contact < 0.2 * without:
             raise UnreadableInputError(
                 f"the contact of {link} is inverted: its wrench has {with_contact:.3g} N (median) where it is 1, and "
                 f"{without:.3g} N where it is 0",
                 remedy="invert it: contacts={...: ~contact}",
                 command=f"invert it: --column contact_{link}=HEADER:-1:1",
             )
-        if with_contact < 5.0:
+        if with_contact < LEAST:
             raise UnreadableInputError(
                 f"the wrench on {link} has {with_contact:.3g} N (median) while it is in contact: it looks like kN",
                 remedy="give forces in N and moments in N·m; or leave out the contact of a link that is not loaded",

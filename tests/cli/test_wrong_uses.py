@@ -67,7 +67,7 @@ BY_KIND = {
         Wrong("identify leg.urdf nan.csv", "nan is not a finite number", "line 51, column tau_knee", "drop those rows"),
         Wrong(
             "identify leg.urdf degrees.csv",
-            "looks like degrees",
+            "looks like degrees, or a slide in mm",
             "column q_",
             "give --degrees",
             "identify leg.urdf degrees.csv --degrees",

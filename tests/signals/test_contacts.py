@@ -45,6 +45,7 @@ def test_an_impact_does_not_raise_the_thresholds():
     [
         (800.0 * STEPS, np.zeros_like(STEPS), "never 1, and its wrench exceeds 50 N for"),
         (800.0 * STEPS, STEPS == 0.0, "is inverted: its wrench has 0 N .* where it is 1, and"),
+        (35.0 * STEPS, STEPS == 0.0, "is inverted"),  # of a light hopper
         (0.8 * STEPS, STEPS > 0.0, "looks like kN"),
     ],
 )
