@@ -18,7 +18,7 @@ from exoid.regression.row_data import Rows
 from .findings.checkup import Checkup
 from .findings.sample import FittedLeg
 
-TINY = 1e-12  # smallest norm to divide by
+SMALLEST = 1e-12  # norm to divide by
 
 
 def friction_form_error(
@@ -67,10 +67,10 @@ class _Joint(NamedTuple):
         columns = np.concatenate([one.W[one.usable[:, j], j] for one in rows])
         tau = np.concatenate([one.tau[one.usable[:, j], j] for one in rows])
         size = float(np.sqrt(np.mean(tau**2))) if len(tau) else 0.0
-        weight = 1.0 / max(residual_rms, 1e-9 * size, TINY)
+        weight = 1.0 / max(residual_rms, 1e-9 * size, SMALLEST)
         W, Z = columns[:, : len(values)], columns[:, len(values) :]
         scale = np.sqrt((Z**2).sum(axis=0) / max(len(Z), 1))
-        unit = np.divide(size, scale, out=np.zeros(len(scale)), where=scale > TINY)
+        unit = np.divide(size, scale, out=np.zeros(len(scale)), where=scale > SMALLEST)
         return _Joint(weight * W, weight * Z, weight * (tau - W @ values), unit)
 
 
@@ -78,7 +78,7 @@ def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
     """Regress the alternatives on the parameters that are free, (P, n K)."""
     WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
     WZ = np.hstack([joint.W.T @ joint.Z for joint in joints])
-    used = free & (np.diag(WW) > TINY)
+    used = free & (np.diag(WW) > SMALLEST)
     G = np.zeros_like(WZ)
     G[used] = scaled_inverse(WW[np.ix_(used, used)]) @ WZ[used]
     return G

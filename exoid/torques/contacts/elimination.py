@@ -22,7 +22,7 @@ ALIGNED = 0.2
 """Least part of each axis of closed chains that is left in the directions in which a sample can move."""
 
 
-TINY = 1e-18
+NO_CONSTRAINT = 1e-18
 """Stands for the square of a singular value of constraints that is zero: such a sample is not used."""
 
 
@@ -95,7 +95,7 @@ def _eliminate(
     # Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly
     # move up
     fit &= kept[:, 0] > 0.03**2 * kept[:, -1]
-    held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, TINY))[..., np.newaxis]
+    held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, NO_CONSTRAINT))[..., np.newaxis]
     P = np.eye(C.shape[2]) - np.swapaxes(held, 1, 2) @ held
     E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
     loop, aligned = _orthonormal(P, E)
