@@ -21,7 +21,7 @@ class Phase(NamedTuple):
 
 
 class GaitProfile(NamedTuple):
-    """Torque of the wearer over the phase, K bins.
+    """Torque of the wearer over the phase, K = 20 bins.
 
     Attributes:
         phase: Centre of each bin, 0 to 1, (K,).
@@ -61,11 +61,9 @@ def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase:
     return _of_motion(recording)
 
 
-def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray, bins: int = 20) -> GaitProfile:
-    """Average a torque and its power over the phase."""
-    if bins < 1:
-        raise BadArgumentError(f"a profile of {bins} bins", remedy="ask for 20, or at least one")
-    known = ~np.isnan(phase)
+def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray) -> GaitProfile:
+    """Average a torque and its power over twentieths of the phase."""
+    known, bins = ~np.isnan(phase), 20
     place = np.minimum((phase[known] * bins).astype(np.intp), bins - 1)
     count = np.bincount(place, minlength=bins).astype(np.float64)
     tau, power = torque[known], torque[known] * velocity[known]

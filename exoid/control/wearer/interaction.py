@@ -123,17 +123,14 @@ class Interaction(ReadOnly, Report):
         outside = (np.abs(self.torque) > self.band).astype(np.float64)
         return np.asarray(np.where(np.isnan(self.torque), np.nan, outside).mean(axis=0))
 
-    def by_phase(self, bins: int = 20) -> GaitProfile:
+    def by_phase(self) -> GaitProfile:
         """Average torque and power over the phase of the gait.
 
-        Args:
-            bins: Number of bins K.
-
         Returns:
-            Mean and RMS torque and mean power in each bin.
+            Mean and RMS torque and mean power in each twentieth.
 
         Raises:
-            ExoidError: The motion does not repeat, or the number of bins is below one.
+            ExoidError: The motion does not repeat.
         """
         if np.isnan(self.phase).all():
             raise NotIdentifiableError(
@@ -141,7 +138,7 @@ class Interaction(ReadOnly, Report):
                 where=self.source,
                 remedy="give the times at which strides begin: interaction(est, recording, strides=[...])",
             )
-        return profile(self.torque, self.velocity, self.phase, bins)
+        return profile(self.torque, self.velocity, self.phase)
 
     def to_json(self) -> dict[str, Any]:
         """Turn the figures of an interaction into what JSON can hold.

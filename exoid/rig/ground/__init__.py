@@ -1,6 +1,6 @@
 """Virtual rig with ground: torso and legs that stand or walk, simulated by MuJoCo (extra ``ground``)."""
 
-from .control import HEALTHY, PASSIVE, SPASTIC, WEAK, Faults, GroundController, GroundReading, GroundWearer
+from .control import HEALTHY, PASSIVE, SPASTIC, Faults, GroundController, GroundReading, GroundWearer
 from .motion import GroundMotion, JointGains, Spring
 from .plant import Block, GroundPlant, Sole
 from .run import GroundRun
@@ -11,7 +11,6 @@ __all__ = [
     "HEALTHY",
     "PASSIVE",
     "SPASTIC",
-    "WEAK",
     "Block",
     "Faults",
     "GroundController",

@@ -127,9 +127,6 @@ class GroundWearer:
 HEALTHY = GroundWearer(effort=1.0, tracking=50.0)
 """Wearer who makes all of the planned torque, an assumption like the others."""
 
-WEAK = GroundWearer(effort=0.3)
-"""Wearer who makes three tenths of it."""
-
 PASSIVE = GroundWearer()
 """Paralysed wearer with slack muscles."""
 
