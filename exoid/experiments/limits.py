@@ -81,7 +81,7 @@ class MotionLimits:
         acceleration: ArrayLike | None = None,
         torque: ArrayLike | None = None,
     ) -> MotionLimits:
-        """Take the limits of the URDF, narrowed by given ones.
+        """Take the limits of the URDF, narrowed by given ones, and to where closed loops close.
 
         Args:
             leg: Leg with the limits of its URDF; continuous joints get ±180°.
@@ -117,6 +117,8 @@ class MotionLimits:
             size = position_units(leg)[joint].size
             lower[joint] = max(lower[joint], low * size)
             upper[joint] = min(upper[joint], high * size)
+        if leg.closure is not None:
+            lower, upper = leg.closure.closing(lower, upper)
         speed, change, effort = (
             for_joints(np.inf if x is None else x, n, f"{name} limits")
             for name, x in (("velocity", velocity), ("acceleration", acceleration), ("torque", torque))

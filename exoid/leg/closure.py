@@ -196,18 +196,37 @@ class Closure:
         turned = np.abs(G_d[~slides[self.dependent]]).max(axis=0, initial=1.0)
         return np.where(slides[self.independent], 1.0 / turned, 1.0)
 
+    @cached_property
+    def _looped(self) -> BoolArray:
+        """Independent joints that loops contain, (n,)."""
+        return np.isin(self.independent, [j for pair in self.pairs for j in _moves(self.model, pair)])
+
+    def closing(self, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Narrow the ranges of joints of loops (n,) about the reference, until loops close all over them."""
+        rng, home, parts = np.random.default_rng(0), self.reference[self.independent], np.ones((2, 1))
+        for sides in np.array([[[1.0], [0.0]], [[0.0], [1.0]], [[1.0], [1.0]]]):  # each alone, then together
+            closed = np.zeros(1, dtype=np.bool_)
+            while not closed.all():
+                low, high = np.where(self._looped, home + parts * sides * ([lower, upper] - home), [lower, upper])
+                closed = self._closes(rng.uniform(low, high, (200, len(home))))
+                parts -= 0.05 * sides * (not closed.all())
+        return np.maximum(low, lower), np.minimum(high, upper)
+
     def reachable(self, x: FloatArray) -> FloatArray:
         """Move the joints of loops (N, n) towards the reference until all loops close, away from dead centres."""
         x, home = np.array(x), self.reference[self.independent]
-        looped = np.isin(self.independent, [j for pair in self.pairs for j in _moves(self.model, pair)])
-        least = min(TRANSMISSION, 0.5 * self._transmission(self.reference[None])[0])
-        for _ in range(40):  # the last are at the reference, which has twice the least
-            poses, closed = self.solve(x)
-            closed[closed] = self._transmission(poses[closed]) >= least
+        for _ in range(40):  # the last are at the reference
+            closed = self._closes(x)
             if closed.all():
                 break
-            x[~closed] = np.where(looped, home + 0.6 * (x[~closed] - home), x[~closed])
+            x[~closed] = np.where(self._looped, home + 0.6 * (x[~closed] - home), x[~closed])
         return x
+
+    def _closes(self, x: FloatArray) -> BoolArray:
+        """Whether loops close, away from dead centres: the reference has at least twice that distance, (N,)."""
+        (poses, closed), most = self.solve(x), self._transmission(self.reference[None])[0]
+        closed[closed] = self._transmission(poses[closed]) >= min(TRANSMISSION, 0.5 * most)
+        return closed
 
     def _transmission(self, q: FloatArray) -> FloatArray:
         """Distance from dead centres, (N,): smallest singular value of A_d with columns of unit length."""
@@ -234,8 +253,7 @@ class Closure:
             at = self._linearise(q)
             A_d, error = np.tensordot(self.rows, at.A[:, self.dependent], 1), self.rows @ at.gap
             if k < steps:
-                A_i = np.tensordot(self.rows, at.A[:, self.independent], 1)
-                error += np.einsum("mib,ib->mb", A_i, change)
+                error += np.einsum("mib,ib->mb", np.tensordot(self.rows, at.A[:, self.independent], 1), change)
                 q[self.independent] += change
             with np.errstate(all="ignore"):  # poses that do not close end anywhere
                 correction = _solver(A_d)(-error[:, None])[:, 0]

@@ -12,6 +12,7 @@ from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle
 
 from exoid import Leg, torques
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
+from exoid.experiments.limits import MotionLimits
 from exoid.lab.study import LegText
 from exoid.leg.base_kinematics import BaseKinematics
 
@@ -86,6 +87,17 @@ def test_random_motion_closes_all_loops_with_bounded_velocities(leg):
 def test_limits_beyond_the_reach_take_no_base_parameter_away(seed, tmp_path):
     legs = [cylinder_knee(seed, 0.6, limit).leg(tmp_path) for limit in (0.03, 0.045, 0.08, 0.2, 100.0)]
     assert [len(leg.parameter_names) for leg in legs] == 5 * [8]
+
+
+@pytest.mark.parametrize("make", [four_bar_knee, two_rod_ankle])
+def test_motion_within_the_limits_of_a_plan_closes(make, tmp_path):
+    machine = make(0)
+    leg = machine._replace(urdf=machine.urdf.replace('"0.6"', '"1.9"').replace('"-0.6"', '"-1.9"')).leg(tmp_path)
+    limits = MotionLimits.of(leg, margin=0.0)
+    q = np.random.default_rng(1).uniform(limits.lower, limits.upper, (4000, len(leg.joint_names)))
+    assert leg.closure.solve(q)[1].all()
+    assert not leg.closure.solve(1.9 * np.sign(q))[1].all()
+    assert (limits.span > 1.6).all()
 
 
 def test_velocity_and_acceleration_are_derivatives_of_the_pose(leg):
