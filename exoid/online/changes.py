@@ -59,15 +59,8 @@ def look(settings: Settings, state: State, rows: Rows) -> Detector:
     # The mean is that of sixty windows; a statistic enters by three times the mean at most, a change hardly so
     slow = math.exp(-settings.block_time / (60.0 * WINDOW))
     level = slow * before.level + np.minimum(statistics, 3.0 * before.mean)
-    return before._replace(
-        score=score,
-        energy=energy,
-        level=level,
-        looks=slow * before.looks + 1.0,
-        crossing=0 if above else -1,
-        settled=before.settled + 1,
-        weights=followed,
-    )
+    after = before._replace(score=score, energy=energy, level=level, weights=followed)
+    return after._replace(looks=slow * before.looks + 1.0, crossing=0 if above else -1, settled=before.settled + 1)
 
 
 class Verdict(NamedTuple):

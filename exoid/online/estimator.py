@@ -71,17 +71,11 @@ class RecursiveEstimator:
         model = TorqueModel(leg, chosen, separate=() if start is None else start.names)
         if start is not None and model.names != start.names:
             what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"
-            raise BadArgumentError(
-                what, where=leg.description.name, remedy="pass an estimate of the same leg and terms"
-            )
+            remedy = "pass an estimate of the same leg and terms"
+            raise BadArgumentError(what, where=leg.description.name, remedy=remedy)
+        limits = () if torque_limits is None else tuple(np.ravel(torque_limits).tolist())
         self.settings = settings = Settings(
-            model=model,
-            rate=rate,
-            cutoff=cutoff,
-            memory=memory,
-            reversal_speed=reversal_speed,
-            torque_limits=() if torque_limits is None else tuple(np.ravel(torque_limits).tolist()),
-            false_alarms=false_alarms,
+            model, rate, cutoff, memory, reversal_speed=reversal_speed, torque_limits=limits, false_alarms=false_alarms
         )
         state, self._stream, self._pending = begin(settings), Stream(), list[Sample]()
         self._state = state if start is None else started(settings, state, start)
@@ -101,12 +95,7 @@ class RecursiveEstimator:
         return self._advanced() if self._pending and self.settings.cutoff is None else self._state
 
     def update(
-        self,
-        q: ArrayLike,
-        v: ArrayLike | None,
-        a: ArrayLike | None,
-        tau: ArrayLike,
-        time: ArrayLike | None = None,
+        self, q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, time: ArrayLike | None = None
     ) -> None:
         """Take one sample, or several, in.
 

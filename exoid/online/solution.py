@@ -144,6 +144,8 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
     middle = np.einsum("s,sij,sik->jk", noise, R[:, :, :-1], R[:, :, :-1])
     unbiased = max(samples.sum(), 2.0) / max(solution.dof, 1.0)
     covariance = unbiased * solution.inverse @ middle @ solution.inverse
+    scale = parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors)
+    source = None if settings.cutoff is None else "passed to the recursive estimator"
     found = Estimate(
         model=model,
         values=solution.values,
@@ -154,10 +156,7 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
         estimator="recursive wls",
         preparation=FiniteDifference() if settings.cutoff is None else ZeroPhase(cutoff=settings.cutoff),
         inputs=(Input("stream", "", state.samples, settings.rate),),
-        evidence=Evidence(
-            parameter_scale=parameter_scale([factor for factor in factors[:-1] if factor.rows] or factors),
-            cutoff_source=None if settings.cutoff is None else "passed to the recursive estimator",
-        ),
+        evidence=Evidence(parameter_scale=scale, cutoff_source=source),
     )
     return replace(found, findings=ordered([*findings_of(settings, state, stream), *doubts_of(found, state)]))
 
@@ -174,10 +173,5 @@ def started(settings: Settings, state: State, start: Estimate) -> State:
     table[:-1, :-1], table[:-1, -1] = root, root @ start.values
     R[-1] = np.linalg.qr(table, mode="r")
     information = Information(R, np.append(np.zeros(settings.n), start.dof))
-    return state._replace(
-        information=information,
-        values=start.values.copy(),
-        std=scale,
-        weights=1.0 / np.maximum(start.residual_rms, 1e-9),
-        checkpoints=(information,) * 3,
-    )
+    state = state._replace(information=information, checkpoints=(information,) * 3)
+    return state._replace(values=start.values.copy(), std=scale, weights=1.0 / np.maximum(start.residual_rms, 1e-9))

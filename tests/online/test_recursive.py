@@ -174,7 +174,7 @@ def test_samples_that_cannot_be_are_left_out_and_counted(leg, truth):
 
 MISTAKES = {
     "none": (),
-    "the sign of a torque": ("large-residual",),
+    "the sign of a torque": ("large-residual", "torque-sign"),
     "swapped torques": ("impossible-leg", "large-residual"),
     "a torque that is stuck": ("stream-stuck-torque",),
     "another rate": ("stream-rate",),
