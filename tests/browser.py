@@ -24,26 +24,13 @@ ARTEFACTS = Path(__file__).parents[1] / "artefacts" / "screenshots"
 """Where screenshots are kept to be looked at; not under version control."""
 
 FLAGS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-default-apps",
-    "--disable-dev-shm-usage",
-    "--disable-extensions",
-    "--disable-sync",
-    "--no-default-browser-check",
-    "--no-first-run",
-    "--no-pings",
-    "--hide-scrollbars",
-    "--mute-audio",
-    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
-    "--remote-debugging-port=0",
-    "about:blank",
+    *("--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-default-apps", "--disable-dev-shm-usage"),
+    *("--disable-extensions", "--disable-sync", "--no-default-browser-check", "--no-first-run"),
+    *("--no-pings", "--hide-scrollbars", "--mute-audio"),
+    *("--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1", "--remote-debugging-port=0"),
+    *("about:blank",),
 )
 
 LISTEN = (

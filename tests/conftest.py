@@ -50,15 +50,9 @@ def pytest_runtest_setup(item):
 
 
 LONGEST = (
-    "test_identification_on_ground",
-    "test_cuhk_replay",
-    "test_docs_pages",
-    "test_packaging",
-    "test_population",
-    "test_steppers",
-    "test_standing_in_the_same_way",
-    "test_coordinated_loop",
-    "test_wear",
+    *("test_identification_on_ground", "test_cuhk_replay", "test_docs_pages", "test_packaging"),
+    *("test_population", "test_steppers", "test_standing_in_the_same_way", "test_coordinated_loop"),
+    *("test_wear",),
 )
 """Names of files whose slow tests take ten seconds and more."""
 

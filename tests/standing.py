@@ -6,13 +6,19 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from exoid import Leg, Recording, Wrench
+from exoid import Coulomb, Leg, Recording, Viscous, Wrench
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.torques import TorqueModel
 
+TERMS = (Coulomb(smoothing=0.05), Viscous())
 GRAVITY = 9.81
 ORDER = 7
 """Of the splines that motions are differentiated by."""
+
+
+def friction(v: np.ndarray) -> np.ndarray:
+    """Torque that has the form of the terms [N·m]."""
+    return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
 class Standing(NamedTuple):

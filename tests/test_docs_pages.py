@@ -18,19 +18,10 @@ TESTED_ELSEWHERE = {
 }
 """Pages that need a compiler, minutes, or a look at what they write."""
 LONG = (
-    "amperes",
-    "amplification",
-    "commissioning",
-    "coordination",
-    "figures",
-    "friction",
-    "gains",
-    "ground-rig",
-    "index",
-    "predicts-poorly",
-    "validation",
-    "wearer",
-)  # more than seven seconds each
+    *("amperes", "amplification", "commissioning", "coordination", "figures"),
+    *("friction", "gains", "ground-rig", "index", "predicts-poorly", "validation"),
+    *("wearer",),
+)
 
 CONTROL = ("control", "stance-control", "coordination")
 

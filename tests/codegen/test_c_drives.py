@@ -97,24 +97,9 @@ def test_friction_of_coupled_motors_is_that_of_python(tmp_path) -> None:
     np.testing.assert_allclose(leg("inverse_dynamics", q, v, a), estimate.torque(q, v, a), rtol=1e-9)
 
 
-def test_drives_without_a_form_in_c_are_refused() -> None:
-    estimate = made_up(LEG)
-    table = Actuators.of(LEG, {"hip": LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))})
-    with pytest.raises(exoid.ExoidError, match=r"table of moment arms has no form in C.*attachment points"):
-        c_source(estimate.model, estimate.values, actuators=table)
-    with pytest.raises(exoid.ExoidError, match="not known"):
-        c_source(estimate.model, estimate.values, actuators=Actuators.of(LEG, {"hip": Motor(None)}))
-
-
 def test_an_estimate_with_such_drives_is_written_without_commands_and_says_so(tmp_path) -> None:
     table = Actuators.of(LEG, {"hip": LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))})
     written = made_up(LEG, actuators=table).to_c(tmp_path / "leg.c")
     assert "leg_command" not in written.functions
     assert any("no function for commands of the drives" in warning for warning in written.warnings)
     assert made_up(LEG, actuators=DRIVES["mixed"]).to_c(tmp_path / "leg.c").functions[-1] == "leg_command"
-
-
-def test_rotors_of_coupled_motors_are_refused() -> None:
-    estimate = made_up(LEG, motor_terms(Coupling(("hip", "ankle"), MATRIX))[2:])
-    with pytest.raises(exoid.ExoidError, match="CouplingInertia"):
-        c_source(estimate.model, estimate.values)

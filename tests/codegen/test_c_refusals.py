@@ -9,6 +9,7 @@ from laws_of_bleex import KD, KP, model
 
 import exoid
 from exoid import Coulomb
+from exoid.actuators import Actuators, Coupling, LinearActuator, MomentArmTable, Motor, motor_terms
 from exoid.codegen import Dialect, InputInC, LawInC, Safety, c_source, register_c_form, write_ros2
 from exoid.control import Limited, MomentumObserver, pd
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
@@ -53,6 +54,11 @@ def leg_of(term):
     return lambda: made_up(CUHK, (term,)).to_c("leg.c")
 
 
+def commands_of(drive):
+    return c_source(ESTIMATE.model, ESTIMATE.values, actuators=Actuators.of(CUHK, {"hip": drive}))
+
+
+WRIST = Coupling(("hip", "knee"), ((0.05, 0.06), (0.07, -0.04)))
 HUGE = replace(ESTIMATE, values=np.where(np.arange(len(ESTIMATE.values)) == 0, 1e39, ESTIMATE.values))
 LATE = MomentumObserver(model(), 8.0, 100.0, torque_delay=0.004)
 
@@ -61,6 +67,9 @@ UNSUPPORTED = {
     "friction that remembers": leg_of(Coulomb(presliding=1e-3)),
     "friction that depends on the load": leg_of(LoadFriction()),
     "term of another package": leg_of(Sticky()),
+    "table of moment arms": lambda: commands_of(LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))),
+    "drive whose constant is not known": lambda: commands_of(Motor(None)),
+    "rotors of coupled motors": lambda: source_of(made_up(CUHK, motor_terms(WRIST)[2:])),
     "law without a description": lambda: c_source(object()),
     "law that computes something else than its parent": lambda: c_source(Overridden()),
     "channels that lag": lambda: c_source(LATE),

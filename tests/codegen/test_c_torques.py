@@ -94,14 +94,6 @@ def test_every_form_of_every_term_is_the_same_in_c(terms, tmp_path):
     estimate = made_up(exoid.load_leg("cuhk"), terms)
     c = CompiledLeg(source_of(estimate), tmp_path)
     q, v, a = motion_of(estimate)
-    v[:8] = [
-        [0.0, 0.5],
-        [-0.0, -0.5],
-        [0.5, 0.0],
-        [1e-9, -1e-9],
-        [0.49, 0.51],
-        [-0.49, -0.51],
-        [0.02, 0.3],
-        [1.0, -1.0],
-    ]
+    v[:8, 0] = 0.0, -0.0, 0.5, 1e-9, 0.49, -0.49, 0.02, 1.0
+    v[:8, 1] = 0.5, -0.5, 0.0, -1e-9, 0.51, -0.51, 0.3, -1.0
     assert_relative(c("inverse_dynamics", q, v, a), estimate.torque(q, v, a), EXACT)

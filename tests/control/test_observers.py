@@ -348,40 +348,31 @@ def test_mistakes_of_logs_are_refused(mistake, estimate, worn):
     assert raised.value.joints == joints
 
 
-@pytest.mark.parametrize(
-    ("reading", "kind", "joints"),
-    [
-        ((np.array([0.1, np.nan, 0.0]), None, np.zeros(3)), UnreadableInputError, ("left_knee",)),
-        ((np.zeros(3), None, np.array([0.0, 0.0, np.inf])), UnreadableInputError, ("left_ankle",)),
-        ((np.array([0.0, 0.0, 1.0]), None, np.zeros(3)), UnreadableInputError, ("left_ankle",)),
-        ((np.zeros(2), None, np.zeros(3)), BadArgumentError, ()),
-        ((np.zeros(2), None, np.zeros(2)), BadArgumentError, ()),
-    ],
-)
-def test_a_bad_reading_is_refused_and_the_memory_stays_good(reading, kind, joints, estimate):
+REST, SHORT = np.zeros(3), np.zeros(2)
+READINGS = [
+    (np.array([0.1, np.nan, 0.0]), REST, UnreadableInputError, ("left_knee",)),
+    (REST, np.array([0.0, 0.0, np.inf]), UnreadableInputError, ("left_ankle",)),
+    (np.array([0.0, 0.0, 1.0]), REST, UnreadableInputError, ("left_ankle",)),
+    (SHORT, REST, BadArgumentError, ()),
+    (SHORT, SHORT, BadArgumentError, ()),
+]
+
+
+@pytest.mark.parametrize(("q", "tau", "kind", "joints"), READINGS)
+def test_a_bad_reading_is_refused_and_the_memory_stays_good(q, tau, kind, joints, estimate):
     observer = MomentumObserver(estimate, 10.0, 1000.0, noise=NOISE)
-    memory = observer.begin(np.zeros(3))
+    memory = observer.begin(REST)
     with pytest.raises(kind) as raised:
-        observer.step(memory, *reading)
+        observer.step(memory, q, None, tau)
     assert raised.value.joints == joints
-    assert np.isfinite(observer.step(memory, np.zeros(3), None, np.zeros(3))[0].torque).all()
+    assert np.isfinite(observer.step(memory, REST, None, REST)[0].torque).all()
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"bandwidth": 0.0},
-        {"bandwidth": (1.0, 2.0)},
-        {"rate": -1.0},
-        {"cutoff": 600.0},
-        {"torque_delay": (0.0, 1.0)},
-        {"velocity_delay": 5.0},
-        {"false_alarms": 0.0},
-        {"false_alarms": -1.0},
-        {"width": 0.0},
-        {"noise": SensorNoise((1.0, 2.0))},
-    ],
-)
-def test_settings_that_make_no_sense_are_refused(settings):
+SETTINGS = [("bandwidth", 0.0), ("bandwidth", (1.0, 2.0)), ("rate", -1.0), ("cutoff", 600.0), ("velocity_delay", 5.0)]
+SETTINGS += [("false_alarms", 0.0), ("false_alarms", -1.0), ("width", 0.0), ("torque_delay", (0.0, 1.0))]
+
+
+@pytest.mark.parametrize(("name", "value"), [*SETTINGS, ("noise", SensorNoise((1.0, 2.0)))])
+def test_settings_that_make_no_sense_are_refused(name, value):
     with pytest.raises(ExoidError):
-        MomentumObserver(**{"source": BLEEX, "bandwidth": 10.0, "rate": 1000.0, "noise": NOISE, **settings})
+        MomentumObserver(**{"source": BLEEX, "bandwidth": 10.0, "rate": 1000.0, "noise": NOISE, name: value})

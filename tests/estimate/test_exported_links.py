@@ -122,25 +122,13 @@ def sure_of_heavy_thigh():
     return noisy_estimate(leg_of("bleex"), "random", np.random.default_rng(0), precision=30.0)
 
 
-def test_links_beyond_the_factor_are_refused_by_name_and_nothing_is_written(sure_of_heavy_thigh, tmp_path):
-    with pytest.raises(ExoidError) as refused:
-        sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf")
-    text = str(refused.value)
-    for words in (
-        "left_thigh would weigh",
-        "instead of 4.75 kg",
-        "beyond a factor of 5",
-        "Prior.from_leg",
-        "mass_factor=",
-    ):
-        assert words in text
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.slow
-def test_the_factor_that_the_refusal_names_allows_the_links(sure_of_heavy_thigh, tmp_path):
-    with pytest.raises(ExoidError) as refused:
+def test_links_beyond_the_factor_are_refused_by_name_and_allowed_by_the_factor_that_is_named(
+    sure_of_heavy_thigh, tmp_path
+):
+    with pytest.raises(ExoidError, match=r"left_thigh would weigh .* instead of 4.75 kg") as refused:
         sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf")
+    assert list(tmp_path.iterdir()) == []
     factor = float(str(refused.value).partition("mass_factor=")[2].partition(" ")[0])
     for allowed in (factor, np.inf):
         export = sure_of_heavy_thigh.to_urdf(tmp_path / "leg.urdf", mass_factor=allowed)

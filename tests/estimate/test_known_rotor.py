@@ -12,18 +12,8 @@ ROTOR = 0.05
 
 
 @pytest.fixture(scope="module")
-def swing():
-    return exoid.datasets.bleex_swing()
-
-
-@pytest.fixture(scope="module")
-def known(swing):
-    return exoid.identify(swing.leg, swing.train, known={"Ia_hip": ROTOR})
-
-
-@pytest.fixture(scope="module")
-def merged(swing):
-    return exoid.identify(swing.leg, swing.train)
+def known(data):
+    return exoid.identify(data.leg, data.train, known={"Ia_hip": ROTOR})
 
 
 def motion(joints, samples=40):
@@ -32,9 +22,9 @@ def motion(joints, samples=40):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["wls", "huber", "ml", "ols"])
-def test_a_known_rotor_is_subtracted_from_what_it_is_merged_into(swing, estimator):
-    without = exoid.identify(swing.leg, swing.train, estimator=estimator)
-    with_ = exoid.identify(swing.leg, swing.train, estimator=estimator, known={"Ia_hip": ROTOR})
+def test_a_known_rotor_is_subtracted_from_what_it_is_merged_into(data, estimator):
+    without = exoid.identify(data.leg, data.train, estimator=estimator)
+    with_ = exoid.identify(data.leg, data.train, estimator=estimator, known={"Ia_hip": ROTOR})
     tolerance = 1e-7 if estimator == "ml" else 1e-12  # which stops when steps are small
     assert [one.name for one in without.regrouped] == ["Ia_hip"]
     assert with_.regrouped == ()
@@ -58,14 +48,14 @@ def test_a_file_keeps_it(known, tmp_path):
     np.testing.assert_array_equal(again.torque(*motion(3)), known.torque(*motion(3)))
 
 
-def test_the_exported_thigh_is_without_it(known, merged, tmp_path):
+def test_the_exported_thigh_is_without_it(known, estimate, tmp_path):
     export = known.to_urdf(tmp_path / "leg.urdf")
     assert "Ia_hip" in export.left_out
     joints = known.joint_names
     read = exoid.Leg.from_urdf(export.urdf, joints)
-    assert read.parameters[2] == pytest.approx(merged["J1"].value - ROTOR, rel=1e-12)
-    with_rotor = exoid.Leg.from_urdf(merged.to_urdf(tmp_path / "merged.urdf").urdf, joints)
-    assert with_rotor.parameters[2] == pytest.approx(merged["J1"].value, rel=1e-12)
+    assert read.parameters[2] == pytest.approx(estimate["J1"].value - ROTOR, rel=1e-12)
+    with_rotor = exoid.Leg.from_urdf(estimate.to_urdf(tmp_path / "merged.urdf").urdf, joints)
+    assert with_rotor.parameters[2] == pytest.approx(estimate["J1"].value, rel=1e-12)
     q, v, a = motion(3)
     torque = read.inverse_dynamics(q, v, a) + [ROTOR, 0.0, 0.0] * a
     np.testing.assert_allclose(torque, with_rotor.inverse_dynamics(q, v, a), atol=1e-11)

@@ -5,18 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import mirrored, standing
+from standing import TERMS, friction, mirrored, standing
 
 import exoid
-from exoid import BaseMotion, Coulomb, Viscous, Wrench
+from exoid import BaseMotion, Wrench
 
 pytestmark = pytest.mark.slow
-
-TERMS = (Coulomb(smoothing=0.05), Viscous())
-
-
-def friction(v):
-    return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
 def logs(exo, lean, seed):

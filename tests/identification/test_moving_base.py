@@ -1,6 +1,6 @@
 """Identification of legs on a base that moves, from logs with an IMU."""
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def errors(estimate, leg, symbol):
 
 
 def fixed(recording):
-    return dataclasses.replace(recording, base=None)
+    return replace(recording, base=None)
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
@@ -48,7 +48,7 @@ def test_a_model_with_a_fixed_torso_is_called_wrong(name):
 def test_the_sensor_s_position_matters(leg):
     recording = Walk(leg, seconds=60.0, pitch=0.2).recording()
     base = recording.base
-    elsewhere = dataclasses.replace(recording, base=BaseMotion(base.angular_velocity, base.specific_force))
+    elsewhere = replace(recording, base=BaseMotion(base.angular_velocity, base.specific_force))
     right, wrong = (identify(leg, log, terms=()) for log in (recording, elsewhere))
     assert max(errors(right, leg, "J")) < 1.0
     assert (wrong.residual_rms > 1.5 * right.residual_rms)[:2].all()
@@ -78,7 +78,7 @@ def test_a_payload_on_the_leg_moves_with_the_base():
     leg = exoid.load_leg("cuhk")
     load = Payload("left_knee", 3.0, (0.0, 0.0, -0.3))
     heavy = with_payloads(leg, [load])
-    recording = dataclasses.replace(Walk(heavy, seconds=60.0).recording(), payloads=(load,))
+    recording = replace(Walk(heavy, seconds=60.0).recording(), payloads=(load,))
     estimate = identify(leg, recording, terms=())
     assert max(errors(estimate, leg, "X")) < 0.5
 
@@ -95,16 +95,14 @@ def test_a_rotor_at_the_hip_is_told_from_the_leg_by_the_pitch_of_the_torso():
     leg = exoid.load_leg("cuhk")
     walked = Walk(leg, seconds=60.0, pitch=0.2)
     recording = walked.recording()
-    geared = dataclasses.replace(recording, tau=recording.tau + 0.8 * walked.joints[2])
+    geared = replace(recording, tau=recording.tau + 0.8 * walked.joints[2])
     estimate = identify(leg, geared, terms=(exoid.Armature(),))
     assert {"Ia_hip", "Ia_knee"} <= set(estimate.names)
     for name in ("Ia_hip", "Ia_knee"):
         assert abs(estimate[name].value - 0.8) < 0.03, name
     assert max(errors(estimate, leg, "J")) < 3.0
     assert not exoid.check(leg, geared, terms=(exoid.Armature(),)), "the check tells the rotor from the leg as well"
-    standing = identify(
-        leg, dataclasses.replace(Walk(leg, pitch=0.0).recording(), base=None), terms=(exoid.Armature(),)
-    )
+    standing = identify(leg, replace(Walk(leg, pitch=0.0).recording(), base=None), terms=(exoid.Armature(),))
     assert "Ia_hip" not in standing.names
 
 

@@ -1,7 +1,7 @@
 """Friction is selected joint by joint; what is selected is determined, dissipates, and predicts what was not fitted."""
 
-import dataclasses
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -143,7 +143,7 @@ def test_what_holds_a_joint_at_rest_is_not_learnt(leg):
     log = recorded(leg, plain, seconds=20.0, rate=100.0)
     stamps = np.cumsum(np.maximum(0.0, np.sin(0.5 * np.pi * log.time)) ** 2) / 100.0  # rests of two seconds
     q = np.column_stack([np.interp(stamps, log.time, x) for x in log.q.T])
-    log = dataclasses.replace(log, q=q, v=None, a=None)
+    log = replace(log, q=q, v=None, a=None)
     design = form_design(TorqueModel(leg, (Armature(),)), [log], 8.0, ((), ()))
     assert 0.4 < design.moves.mean() < 0.6
     for rows in (design.tau, *np.moveaxis(design.base, 2, 0)):
@@ -216,7 +216,7 @@ def test_columns_are_those_of_the_torque_model(leg, design):
     """The same terms by the rows of an ordinary fit."""
     c0, d, mu = terms_of((Column("c0"), Column("d"), Column("mu", 4e-3)), "left_hip")
     assert c0.reversal_speed > 0.0  # a fit leaves out reversals; the comparison does not
-    terms = (dataclasses.replace(c0, reversal_speed=0.0), d, mu, Armature())
+    terms = (replace(c0, reversal_speed=0.0), d, mu, Armature())
     model = TorqueModel(leg, terms, leg.parameters)
     prepared = prepare(model, recorded(leg, different), ZeroPhase(8.0))
     rows = form_rows(model, prepared, prepared.rows)
@@ -254,11 +254,11 @@ def test_projection_gives_the_solution_of_all_parameters_at_once(design):
 def test_a_choice_that_does_not_transfer_to_faster_motion_is_warned_of(selection):
     found = selection
     assert found.warnings == ()
-    bad = dataclasses.replace(found.candidate, extrapolation=100.0 * found.candidate.extrapolation)
+    bad = replace(found.candidate, extrapolation=100.0 * found.candidate.extrapolation)
     several = (*found.candidates[: found.chosen], bad, *found.candidates[found.chosen + 1 :])
-    assert "transfers badly to faster motion" in dataclasses.replace(found, candidates=several).warnings[0]
-    nothing = tuple(dataclasses.replace(one, extrapolation=np.full(2, np.nan)) for one in found.candidates)
-    short = dataclasses.replace(found, candidates=nothing)
+    assert "transfers badly to faster motion" in replace(found, candidates=several).warnings[0]
+    nothing = tuple(replace(one, extrapolation=np.full(2, np.nan)) for one in found.candidates)
+    short = replace(found, candidates=nothing)
     assert "do not suffice to predict the faster ones" in short.warnings[0]
     assert "nan" not in str(short)
     assert short.to_json()["candidates"][0]["fast"] == [None, None]
@@ -272,13 +272,9 @@ REFUSED = {
     "too few folds": (lambda log: log, {"folds": 2}, BadArgumentError),
     "no recordings": (lambda log: [], {}, BadArgumentError),
     "poses": (lambda log: [poses(log)], {}, BadArgumentError),
-    "a joint at rest": (lambda log: dataclasses.replace(log, q=log.q * [0.0, 1.0], v=None, a=None), {}, ExoidError),
+    "a joint at rest": (lambda log: replace(log, q=log.q * [0.0, 1.0], v=None, a=None), {}, ExoidError),
     "too short": (lambda log: log.slice(0, 90), {}, ExoidError),
-    "no torque of the knee": (
-        lambda log: dataclasses.replace(log, tau=log.tau * [1.0, np.nan]),
-        {},
-        NotIdentifiableError,
-    ),
+    "no torque of the knee": (lambda log: replace(log, tau=log.tau * [1.0, np.nan]), {}, NotIdentifiableError),
 }
 
 
@@ -301,8 +297,8 @@ def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki
     log, (blocks,) = dfki.train, fast_blocks([dfki.train])
     fast = ((log.time >= blocks[:, :1]) & (log.time < blocks[:, 1:])).any(axis=0)
     errors = [
-        exoid.validate(select_terms(dfki.leg, part).estimate, dataclasses.replace(log, mask=fast)).nrmse
-        for part in (dataclasses.replace(log, mask=~fast), log)
+        exoid.validate(select_terms(dfki.leg, part).estimate, replace(log, mask=fast)).nrmse
+        for part in (replace(log, mask=~fast), log)
     ]
     print(errors[0] / errors[1])
     assert (errors[0] <= 1.25 * errors[1]).all()
@@ -310,7 +306,7 @@ def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki
 
 def test_torques_that_are_late_do_not_decide_on_friction(leg):
     late = recorded(leg, plain)
-    late = dataclasses.replace(late, tau=np.vstack([late.tau[:2], late.tau[:-2]]))  # by 10 ms
+    late = replace(late, tau=np.vstack([late.tau[:2], late.tau[:-2]]))  # by 10 ms
     found = select_terms(leg, late)
     np.testing.assert_allclose(found.estimate.torque_delays, 0.01, atol=5e-4)
     assert all({*joint.coefficients} - {"offset"} == {"c0", "d"} for joint in found.joints)

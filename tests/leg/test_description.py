@@ -82,25 +82,13 @@ def test_what_does_not_move_or_is_only_large_is_read():
 # ------------------------------------------------------------------------------------- choosing joints
 
 
-@pytest.mark.parametrize(
-    ("text", "exact"),
-    [
-        ("1.5708", math.pi / 2),
-        ("-1.5707", -math.pi / 2),
-        ("1.57", math.pi / 2),
-        ("1.571", math.pi / 2),
-        ("3.1416", math.pi),
-        ("-3.14", -math.pi),
-        ("0.7854", math.pi / 4),
-        ("1.0472", math.pi / 3),
-        ("157.08e-2", math.pi / 2),
-        ("6.2832", 2 * math.pi),
-        *(
-            (text, float(text))
-            for text in ("1.56", "1.58", "1.6", "3", "0.79", "0.785", "0.0001", "0", "-0.01", "15.71")
-        ),
-    ],
-)
+PARTS = {1 / 2: ("1.5708", "1.57", "1.571", "157.08e-2"), -1 / 2: ("-1.5707",), 1: ("3.1416",), -1: ("-3.14",)}
+PARTS |= {1 / 4: ("0.7854",), 1 / 3: ("1.0472",), 2: ("6.2832",)}
+EXACT = [(text, part * math.pi) for part, texts in PARTS.items() for text in texts]
+OTHERS = "1.56", "1.58", "1.6", "3", "0.79", "0.785", "0.0001", "0", "-0.01", "15.71"
+
+
+@pytest.mark.parametrize(("text", "exact"), [*EXACT, *((text, float(text)) for text in OTHERS)])
 def test_angles_of_few_digits_that_stand_for_parts_of_pi_are_exact_in_the_model(text, exact):
     turned = describe(replaced('<origin xyz="0 0 1"/>', f'<origin xyz="0 0 1" rpy="0 {text} 0"/>'))
     placement = Leg.from_description(turned).model.jointPlacements[1]

@@ -17,25 +17,13 @@ import exoid
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = (
-    "exoid",
-    "urdf",
-    "tests",
-    "scripts",
-    "docs",
-    "pyproject.toml",
-    "README.md",
-    "LICENSE",
-    ".gitignore",
-    "hatch_build.py",
+    *("exoid", "urdf", "tests", "scripts", "docs"),
+    *("pyproject.toml", "README.md", "LICENSE", ".gitignore"),
+    *("hatch_build.py",),
 )
 MORE_SOURCES = (
-    "BENCHMARKS.md",
-    "CHANGELOG.md",
-    "CONTRIBUTING.md",
-    "CITATION.cff",
-    ".zenodo.json",
-    "mkdocs.yml",
-    "recipe",
+    *("BENCHMARKS.md", "CHANGELOG.md", "CONTRIBUTING.md"),
+    *("CITATION.cff", ".zenodo.json", "mkdocs.yml", "recipe"),
 )
 LARGEST_WHEEL = 1.4e6
 """Alarm for the size of the wheel [bytes]. The aim is a million; CONTRIBUTING.md, "Release", says why it is more."""

@@ -21,24 +21,8 @@ from exoid.leg.description import describe
 
 HEADERS = ("time", "q_hip", "q_knee", "v_hip", "v_knee", "tau_hip", "tau_knee", "a_hip", "mode", "", "q_", "time ", "#")
 ODD = (
-    "",
-    "nan",
-    "inf",
-    "-inf",
-    "1e400",
-    "1e-400",
-    "0x10",
-    "1_0",
-    "½",
-    "1,5",
-    '"',
-    '"1"',
-    "'",
-    "None",
-    "٣",
-    "-",
-    " ",
-    "\0",
+    *("", "nan", "inf", "-inf", "1e400", "1e-400", "0x10", "1_0", "½", "1,5"),
+    *('"', '"1"', "'", "None", "٣", "-", " ", "\0"),
 )
 NUMBERS = st.one_of(
     st.floats(allow_nan=True, allow_infinity=True).map(repr),
@@ -149,18 +133,8 @@ def test_any_arrays_make_a_sound_recording_or_are_refused(time, q, v, tau, joint
 
 URDF = (urdf_folder() / "bleex.urdf").read_text(encoding="utf-8")
 TAGS = (
-    "link",
-    "joint",
-    "inertial",
-    "mass",
-    "inertia",
-    "origin",
-    "axis",
-    "limit",
-    "parent",
-    "child",
-    "dynamics",
-    "mimic",
+    *("link", "joint", "inertial", "mass", "inertia", "origin"),
+    *("axis", "limit", "parent", "child", "dynamics", "mimic"),
 )
 NAMES = ("name", "type", "link", "value", "xyz", "rpy", "joint", "damping")
 

@@ -37,14 +37,9 @@ def test_another_scale_is_that_of_at_least_half_the_rows_and_their_residuals(fac
 @pytest.mark.parametrize(
     ("value", "std", "size", "expected"),
     [
-        (2.0, 0.2, 0.0, "well"),
-        (-2.0, 0.21, 0.0, "weakly"),
-        (2.0, 0.61, 0.0, "not"),
-        (0.0, 0.09, 10.0, "well"),
-        (0.0, 0.3, 10.0, "weakly"),
-        (0.0, 0.31, 10.0, "not"),
-        (0.0, 0.0, 0.0, "well"),
-        (0.0, 1e-9, 0.0, "not"),
+        *((2.0, 0.2, 0.0, "well"), (-2.0, 0.21, 0.0, "weakly"), (2.0, 0.61, 0.0, "not")),
+        *((0.0, 0.09, 10.0, "well"), (0.0, 0.3, 10.0, "weakly"), (0.0, 0.31, 10.0, "not")),
+        *((0.0, 0.0, 0.0, "well"), (0.0, 1e-9, 0.0, "not")),
     ],
 )
 def test_a_verdict_follows_its_thresholds(value, std, size, expected):

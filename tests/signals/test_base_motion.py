@@ -1,6 +1,6 @@
 """Base motion in recordings: sensors, poses, files, and the mistakes that logs of an IMU have."""
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def with_base(recording, gyro=None, force=None, position=None):
         base.specific_force if force is None else force,
         base.position if position is None else position,
     )
-    return dataclasses.replace(recording, base=changed)
+    return replace(recording, base=changed)
 
 
 def slow(seconds=40.0):
@@ -98,9 +98,7 @@ def test_the_base_is_sliced_selected_and_resampled_with_the_rest():
     assert np.array_equal(recording.segments([(1.0, 2.0)]).base.columns, columns)
     whole = walk(rate=400.0).recording(noise=0.0)
     kept = np.arange(len(whole)) % 9 != 7
-    lossy = dataclasses.replace(
-        whole, time=whole.time[kept], q=whole.q[kept], tau=whole.tau[kept], base=whole.base.rows(kept)
-    )
+    lossy = replace(whole, time=whole.time[kept], q=whole.q[kept], tau=whole.tau[kept], base=whole.base.rows(kept))
     found, rows = lossy.resampled().base, slice(50, -50)
     assert np.abs(found.columns[rows] - whole.base.columns[: len(found)][rows]).max() < 0.01
     assert np.array_equal(found.position, IMU)
@@ -132,7 +130,7 @@ def test_the_cut_off_falls_with_a_noisy_gyroscope():
     rng = np.random.default_rng(1)
     loud = with_base(quiet, gyro=quiet.base.angular_velocity + 0.2 * rng.standard_normal((len(quiet), 3)))
     assert choose_cutoff([loud]) < choose_cutoff([quiet])
-    assert choose_cutoff([quiet]) == choose_cutoff([dataclasses.replace(quiet, base=None)])
+    assert choose_cutoff([quiet]) == choose_cutoff([replace(quiet, base=None)])
 
 
 # --- Mistakes -------------------------------------------------------------------------------------------------------

@@ -32,15 +32,8 @@ LINE = Line((Point(0.0, 1.0), Point(2.0, np.inf)), np.array([[0.1, np.nan], [1.0
 @pytest.mark.parametrize(
     ("value", "expected"),
     [
-        (None, None),
-        ("text", "text"),
-        (np.True_, True),
-        (np.int32(3), 3),
-        (np.float64(0.1), 0.1),
-        (float("inf"), None),
-        (np.zeros((0, 2)), []),
-        (np.array(5.0), 5.0),
-        (range(3), [0, 1, 2]),
+        *((None, None), ("text", "text"), (np.True_, True), (np.int32(3), 3), (np.float64(0.1), 0.1)),
+        *((float("inf"), None), (np.zeros((0, 2)), []), (np.array(5.0), 5.0), (range(3), [0, 1, 2])),
         ({"a": (1, 2.5), "b": {"c": np.array([True, False])}}, {"a": [1, 2.5], "b": {"c": [True, False]}}),
         (Point(1.0, -np.inf), {"x": 1.0, "y": None}),
     ],

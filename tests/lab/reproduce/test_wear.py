@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 import exoid
 from exoid import ExoidError, published, reproduce
 from exoid.cli import app
+from exoid.errors import BadArgumentError
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.lab.reproduce import wear_models
 from exoid.lab.reproduce.wear_study import _inertia_and_friction, _refuse_unstable
@@ -84,12 +85,9 @@ def _short_cuhk():
     return leg, exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names), ()
 
 
-@pytest.mark.parametrize(
-    ("given", "what"),
-    [({"source": "hal"}, "nobody wears 'hal'"), ({"period": -1.0}, "a stride of -1"), ({"most": 1.0}, "up to 1")],
-)
-def test_what_makes_no_sense_is_refused_before_anything_runs(given, what):
-    with pytest.raises(ExoidError, match=what):
+@pytest.mark.parametrize("given", [{"source": "hal"}, {"period": -1.0}, {"most": 1.0}])
+def test_what_makes_no_sense_is_refused_before_anything_runs(given):
+    with pytest.raises(BadArgumentError):
         reproduce.wear(**({"source": "bleex"} | given))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid.errors import ExoidError
+from exoid.errors import BadArgumentError, ExoidError
 from exoid.experiments import cuhk
 from exoid.experiments.excitation import MotionLimits
 from exoid.experiments.excitation.scales import Scales
@@ -158,23 +158,15 @@ def test_two_processes_give_the_same_bits(result):
     assert same(run_study(study(), workers=2), result)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"estimators": ("best",)}, "estimators best"),
-        ({"replicates": 1}, "replicates is 1"),
-        ({"replicates": 10**12}, "replicates is 1000000000000"),
-        ({"truth": (1.0,)}, "1 true parameters"),
-        ({"noises": (Noise("n", (0.1,)),)}, "noise of 1 joints"),
-    ],
-)
-def test_studies_that_make_no_sense_are_refused(changes, words):
-    with pytest.raises(ExoidError, match=words):
-        study(**changes)
-    with pytest.raises(ExoidError, match="share"):
-        Noise("n", STD, share=2.0)
-    with pytest.raises(ExoidError, match="at least one"):
-        run_study(study(), workers=0)
+ONE, FEW = {"truth": (1.0,)}, {"noises": (Noise("n", (0.1,)),)}
+WRONG = [{"estimators": ("best",)}, {"replicates": 1}, {"replicates": 10**12}, ONE, FEW]
+CALLS = [lambda: Noise("n", STD, share=2.0), lambda: run_study(study(), workers=0)]
+
+
+@pytest.mark.parametrize("call", [*(lambda wrong=wrong: study(**wrong) for wrong in WRONG), *CALLS])
+def test_studies_that_make_no_sense_are_refused(call):
+    with pytest.raises(BadArgumentError):
+        call()
 
 
 def test_intervals_hold_under_correlated_noise():

@@ -28,11 +28,6 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def bleex():
-    return exoid.load_leg("bleex")
-
-
-@pytest.fixture(scope="module")
 def arm():
     return Leg.from_urdf(urdf_of("ur5"))
 
@@ -70,12 +65,12 @@ def test_the_legs_own_parameters_lift_to_its_own_links(built_in_leg):
 
 
 @pytest.mark.parametrize("name", BLEEX_SETS)
-def test_published_parameters_are_reproduced_to_rounding(bleex, name):
+def test_published_parameters_are_reproduced_to_rounding(leg, name):
     values = np.array(list(bleex_parameters(name).values()))
-    lifted = lift(bleex, values)
+    lifted = lift(leg, values)
     assert lifted.feasible
     np.testing.assert_allclose(lifted.values, values, rtol=1e-13, atol=1e-15)
-    np.testing.assert_allclose(bleex.reduction.parameters(lifted.link_parameters.ravel()), values, rtol=1e-13)
+    np.testing.assert_allclose(leg.reduction.parameters(lifted.link_parameters.ravel()), values, rtol=1e-13)
     assert_possible(lifted)
 
 
@@ -100,9 +95,9 @@ def test_feasible_estimates_lift_to_the_optimum_of_the_semidefinite_program(robo
 
 
 @pytest.mark.parametrize("pull", [0.0, 1e3])
-def test_neither_covariance_nor_pull_matters_where_the_estimate_is_feasible(bleex, pull):
-    values, covariance = noisy(bleex, np.random.default_rng(3), 0.05)
-    with_, without = lift(bleex, values, covariance, pull=pull), lift(bleex, values)
+def test_neither_covariance_nor_pull_matters_where_the_estimate_is_feasible(leg, pull):
+    values, covariance = noisy(leg, np.random.default_rng(3), 0.05)
+    with_, without = lift(leg, values, covariance, pull=pull), lift(leg, values)
     assert with_.feasible
     np.testing.assert_array_equal(with_.link_parameters, without.link_parameters)
 
@@ -152,25 +147,25 @@ def test_a_pull_finds_the_optimum_of_the_semidefinite_program(robot, pull, arm):
     assert infeasible >= 2
 
 
-def test_a_mass_factor_finds_lighter_links_with_exactly_the_same_values(bleex):
+def test_a_mass_factor_finds_lighter_links_with_exactly_the_same_values(leg):
     """Nearest are links up to so many times as heavy; others with the same values may be lighter."""
-    values, _ = noisy(bleex, np.random.default_rng(0), 0.2)
-    free = lift(bleex, values)
+    values, _ = noisy(leg, np.random.default_rng(0), 0.2)
+    free = lift(leg, values)
     assert free.feasible
-    change = free.link_parameters[:, 0] / dynamic_parameters(bleex.model)[::10]
+    change = free.link_parameters[:, 0] / dynamic_parameters(leg.model)[::10]
     factor = 0.85 * change.max()
-    lighter = lift(bleex, values, np.eye(9), mass_factor=factor)
+    lighter = lift(leg, values, np.eye(9), mass_factor=factor)
     assert lighter.feasible
     assert lighter.divergence > free.divergence
     np.testing.assert_allclose(lighter.values, values, rtol=0, atol=1e-12 * np.abs(values).max())
-    assert (lighter.link_parameters[:, 0] / dynamic_parameters(bleex.model)[::10]).max() <= factor
+    assert (lighter.link_parameters[:, 0] / dynamic_parameters(leg.model)[::10]).max() <= factor
     assert_possible(lighter)
 
 
-def test_values_that_only_lighter_links_have_are_not_feasible_within_a_mass_factor(bleex):
-    light = 0.1 * bleex.parameters
-    assert lift(bleex, light).feasible
-    assert not lift(bleex, light, np.diag((0.01 * np.abs(light) + 1e-3) ** 2), mass_factor=5.0).feasible
+def test_values_that_only_lighter_links_have_are_not_feasible_within_a_mass_factor(leg):
+    light = 0.1 * leg.parameters
+    assert lift(leg, light).feasible
+    assert not lift(leg, light, np.diag((0.01 * np.abs(light) + 1e-3) ** 2), mass_factor=5.0).feasible
 
 
 # -------------------------------------------------------------------------------------------- priors
@@ -205,11 +200,11 @@ def test_links_without_a_mass_distribution_get_a_small_extent(inertia):
 
 
 @pytest.mark.parametrize("factor", [1e-4, 1.0, 1e4])
-def test_thin_bodies_are_as_thick_as_rounding_needs_whatever_the_prior(bleex, factor):
+def test_thin_bodies_are_as_thick_as_rounding_needs_whatever_the_prior(leg, factor):
     """The bodies of an infeasible estimate are sheets: 1e-10 of their own extent, in units of the prior's."""
-    poor = Leg.from_description(describe(with_masses(bleex.description.text, factor)), bleex.joint_names)
+    poor = Leg.from_description(describe(with_masses(leg.description.text, factor)), leg.joint_names)
     problem = Problem.around(dynamic_parameters(poor.model), poor.reduction)
-    infeasible = bleex.parameters.copy()
+    infeasible = leg.parameters.copy()
     infeasible[-1] *= -1.0
     bodies = approach(problem, infeasible, np.diag(1.0 / np.abs(infeasible)), np.full(problem.links, 1e12))
     eigenvalues = np.linalg.eigvalsh(pseudo_inertias(bodies.unit))

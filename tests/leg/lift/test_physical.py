@@ -17,19 +17,14 @@ def published(name):
     return np.array(list(bleex_parameters(name).values()))
 
 
-@pytest.fixture(scope="module")
-def bleex():
-    return exoid.load_leg("bleex")
-
-
 @pytest.mark.parametrize("name", BLEEX_SETS)
-def test_the_published_sets_of_document_1_are_physical_and_bound_the_masses(bleex, name):
+def test_the_published_sets_of_document_1_are_physical_and_bound_the_masses(leg, name):
     """The lightest legs of a semidefinite program are heavier than the bounds of docs/legs.md, which need no length."""
     X, Y, J = published(name).reshape(3, 3).T
-    assert check_physical(bleex, published(name))
+    assert check_physical(leg, published(name))
     assert tuple(((X**2 + Y**2) / -np.diff(J, append=0.0)).round(2)) == BOUNDS[name]
     for first, (bound, assumed) in enumerate(zip(BOUNDS[name], (12.05, 7.3, 3.1), strict=True)):
-        least, most = mass_range(bleex, published(name), first)
+        least, most = mass_range(leg, published(name), first)
         assert bound < least + 0.01 < assumed < (np.inf if most is None else most)
 
 
@@ -43,13 +38,13 @@ def test_table_iii_of_document_2_is_no_leg():
 
 
 @pytest.mark.slow
-def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
+def test_a_semidefinite_program_agrees_on_physical_consistency(leg):
     rng = np.random.default_rng(0)
     verdicts = []
     for _ in range(40):
-        values = bleex.parameters * (1.0 + 0.5 * rng.standard_normal(9))
-        impossible = [reason for reason in check_physical(bleex, values).reasons if "wrong side" not in reason]
-        least, _ = mass_range(bleex, values, 0)
+        values = leg.parameters * (1.0 + 0.5 * rng.standard_normal(9))
+        impossible = [reason for reason in check_physical(leg, values).reasons if "wrong side" not in reason]
+        least, _ = mass_range(leg, values, 0)
         assert (least is None) == bool(impossible), impossible
         verdicts.append(bool(impossible))
     assert 5 < sum(verdicts) < 35
@@ -64,10 +59,10 @@ def test_a_semidefinite_program_agrees_on_physical_consistency(bleex):
         ("X2", -1.0, "shank: its centre of mass is on the wrong side"),
     ],
 )
-def test_what_is_impossible_is_named(bleex, name, value, reason):
-    values = bleex.parameters.copy()
-    values[bleex.parameter_names.index(name)] = value
-    found = check_physical(bleex, values)
+def test_what_is_impossible_is_named(leg, name, value, reason):
+    values = leg.parameters.copy()
+    values[leg.parameter_names.index(name)] = value
+    found = check_physical(leg, values)
     assert not found
     assert reason in "\n".join(found.reasons)
     assert "the parameters are not physically consistent" in str(found)

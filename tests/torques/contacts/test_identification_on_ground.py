@@ -5,24 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from standing import GRAVITY, Standing, mirrored, standing
+from standing import GRAVITY, TERMS, Standing, friction, mirrored, standing
 from unchecked import identify
 
 import exoid
-from exoid import BaseMotion, Coulomb, ExoidError, Viscous, Wrench
+from exoid import BaseMotion, ExoidError, Wrench
 from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.ground_prediction import level_wrench
 from exoid.signals import ZeroPhase
 from exoid.torques.contacts import split
 from exoid.torques.contacts.imu import CorrectedBase
 
-TERMS = (Coulomb(smoothing=0.05), Viscous())
 NOISE, ENCODER = 0.4, 1e-4
 KINDS = "torque-scale", "angle-offset", "unmodelled-force", "torque-offset"
-
-
-def friction(v):
-    return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
 def logs(exo, seed=0, seconds=15.0) -> list[Standing]:

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import mirrored, standing
+from standing import TERMS, friction, mirrored, standing
 
 import exoid
-from exoid import Coulomb, Viscous
 from exoid.lab.reproduce.stance import TERMS as OF_RIG
 from exoid.lab.reproduce.stance import true_values
 from exoid.lab.reproduce.stance_logs import StanceExtent, run_stance
@@ -15,13 +14,8 @@ from exoid.signals.link_wrenches import link_placements
 from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.standing_base import StandingBase, standing_base, tilt_of_sole
 
-TERMS = (Coulomb(smoothing=0.05), Viscous())
 NOISE, ENCODER = 0.4, 1e-4
 SOFT = 5e-5
-
-
-def friction(v):
-    return 1.5 * np.tanh(v / 0.05) + 0.8 * v
 
 
 def tilt_of(exo, log, compliance):
