@@ -15,6 +15,7 @@ from exoid.control.observers import SensorNoise
 from exoid.experiments import Harmonics, gait_for_leg
 from exoid.experiments.bench import stiff_servo
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Run, Sensors, Target, Wearer, simulate
+from exoid.rig.controllers import Reference
 from exoid.torques import TorqueModel
 
 Array = NDArray[np.float64]
@@ -156,16 +157,8 @@ class StopAndGo:
 def sticking_run(leg: Leg, rigs: int, seconds: float, seed: int = 0, rate: float = 1000.0) -> Run:
     """Rigs that nobody wears, with friction that sticks; a soft servo leaves each joint at rest under some torque."""
     n = len(leg.joint_names)
-    return simulate(
-        _plant(leg, rigs),
-        StopAndGo.draw(n, rigs, seed),
-        ProportionalDerivative(np.array([[150.0], [120.0], [40.0]])[:n], np.array([[15.0], [8.0], [1.5]])[:n]),
-        IdealTorque(),
-        seconds,
-        sensors=Sensors(torque_noise=TORQUE_NOISE[:n]),
-        rates=Rates(rate, rate),
-        seed=seed,
-    )
+    law = ProportionalDerivative(np.array([[150.0], [120.0], [40.0]])[:n], np.array([[15.0], [8.0], [1.5]])[:n])
+    return _worn(leg, StopAndGo.draw(n, rigs, seed), law, None, seconds, seed, rate)
 
 
 def estimate_of(leg: Leg, **changes: float) -> Estimate:
@@ -203,12 +196,12 @@ def _plant(leg: Leg, rigs: int) -> Plant:
 
 
 def _worn(
-    leg: Leg, gait: Harmonics, law: ProportionalDerivative, wearer: Wearer, seconds: float, seed: int, rate: float
+    leg: Leg, aim: Reference, law: ProportionalDerivative, wearer: Wearer | None, seconds: float, seed: int, rate: float
 ) -> Run:
-    n, rigs = gait.centre.shape
+    n, rigs = aim.at(0.0).q.shape
     return simulate(
         _plant(leg, rigs),
-        gait,
+        aim,
         law,
         IdealTorque(),
         seconds,

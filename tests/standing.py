@@ -99,14 +99,9 @@ def standing(leg: Leg, feet: str, seconds: float = 20.0, seed: int = 0, rate: fl
         contacts["right_foot"] = contacts["left_foot"]
     noise = options.pop("noise", 0.0)
     encoder = options.pop("encoder", 0.0)
-    recording = Recording(
-        time,
-        q + encoder * rng.standard_normal(q.shape),
-        tau=tau + noise * rng.standard_normal(q.shape),
-        joint_names=leg.joint_names,
-        contacts=contacts,
-        **options,
-    )
+    angles = q + encoder * rng.standard_normal(q.shape)
+    torques = tau + noise * rng.standard_normal(q.shape)
+    recording = Recording(time, angles, tau=torques, joint_names=leg.joint_names, contacts=contacts, **options)
     return Standing(recording, base, wrenches, (q, v, a))
 
 

@@ -75,19 +75,16 @@ def test_the_package_runs_as_a_command():
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("identify",), r"Missing argument '?LEG'?\. To fix it: see exoid identify --help"),
-        (("idenify", "bleex"), r"No such command 'idenify'.*To fix it: see exoid --help"),
-        (("identify", "bleex", "log.csv", "--cutof", "3"), r"No such option:? '?--cutof'?.*see exoid identify --help"),
-        (
-            ("identify", "bleex", "log.csv", "--cutoff", "x"),
-            r"Invalid value for '--cutoff': [^.,]* a number\. To fix it",
-        ),
-        (("plan", "bleex", "--starts", "x"), r"Invalid value for '--starts': [^.,]* a whole number\. To fix it"),
-        (("identify", "bleex", "log.csv", "--cutoff"), r"Option '--cutoff' requires an argument"),
+        ("identify", r"Missing argument '?LEG'?\. To fix it: see exoid identify --help"),
+        ("idenify bleex", r"No such command 'idenify'.*To fix it: see exoid --help"),
+        ("identify bleex log.csv --cutof 3", r"No such option:? '?--cutof'?.*see exoid identify --help"),
+        ("identify bleex log.csv --cutoff x", r"Invalid value for '--cutoff': [^.,]* a number\. To fix it"),
+        ("plan bleex --starts x", r"Invalid value for '--starts': [^.,]* a whole number\. To fix it"),
+        ("identify bleex log.csv --cutoff", r"Option '--cutoff' requires an argument"),
     ],
 )
 def test_wrong_options_and_arguments_are_one_line(exoid_, words, line):
-    run = exoid_(*words)
+    run = exoid_(*words.split())
     assert (run.code, run.out, run.err.count("\n")) == (2, "", 1), run
     assert re.match(f"exoid: {line}", run.err), run.err
 

@@ -47,17 +47,8 @@ def hand_made(condition_number=42.0):
     std = np.array([0.0123, 0.00456, 0.1, 1.0, 0.02, 0.3, 2e-7, 12.0, 0.0])
     values = np.array([4.252, 0.09, 1.516, 1.52, -0.04, 0.598, 1.4449999, 123.4, 0.1])
     sources = (Input("first.csv", "ab" * 32, 3000, 100.0), Input("array", "cd" * 32, 500, 250.0))
-    return Estimate(
-        model,
-        values,
-        np.diag(std**2),
-        condition_number,
-        1234.5,
-        np.array([0.25, 0.0125]),
-        "ols",
-        ZeroPhase(5.0),
-        sources,
-    )
+    residual, how = np.array([0.25, 0.0125]), ZeroPhase(5.0)
+    return Estimate(model, values, np.diag(std**2), condition_number, 1234.5, residual, "ols", how, sources)
 
 
 def same(golden, text):

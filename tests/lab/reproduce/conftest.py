@@ -9,32 +9,26 @@ from exoid.lab.reproduce.tracking_report import cuhk_tracking_report
 from exoid.view.style import write_figures
 
 
+def shown(report, folder):
+    """What a report prints, writes and draws."""
+    figures = write_figures(folder, report.figures(), ["png"])
+    return {"json": report.data, "text": str(report), "page": report.page().html(), "figures": figures}
+
+
 @pytest.fixture(scope="session")
 def bleex(tmp_path_factory):
     """The default replay of document 1, as the command line runs it."""
     replay = reproduce.reproduce_bleex()[0]
-    report = reproduce.bleex_report(replay)
-    return {
-        "json": report.data,
-        "text": str(report),
-        "page": report.page().html(),
-        "figures": write_figures(tmp_path_factory.mktemp("bleex"), report.figures(), ["png"]),
-        "band": {side: getattr(replay, side).data.upright.band.mean(axis=0) for side in ("left", "right")},
-    }
+    band = {side: getattr(replay, side).data.upright.band.mean(axis=0) for side in ("left", "right")}
+    return shown(reproduce.bleex_report(replay), tmp_path_factory.mktemp("bleex")) | {"band": band}
 
 
 @pytest.fixture(scope="session")
 def cuhk(tmp_path_factory):
     """A replay of document 2 of half the time, in which its figures are as sharp as they are tested to be."""
     replay = reproduce.reproduce_cuhk(duration=30.0)[0]
-    report = reproduce.cuhk_report(replay)
-    return {
-        "json": report.data,
-        "text": str(report),
-        "page": report.page().html(),
-        "figures": write_figures(tmp_path_factory.mktemp("cuhk"), report.figures(), ["png"]),
-        "range": np.ptp(replay.measured, axis=0),
-    }
+    size = np.ptp(replay.measured, axis=0)
+    return shown(reproduce.cuhk_report(replay), tmp_path_factory.mktemp("cuhk")) | {"range": size}
 
 
 @pytest.fixture(

@@ -145,16 +145,8 @@ def still():
         (UnreadableInputError, lambda: exoid.Leg.from_description(hopper()[1].description, base="z"), "rail"),
         (NotSupportedError, lambda: changed(base=still()), "along its rail"),
         (UnreadableInputError, lambda: log("press", seconds=SHORT).select(("hip", "knee")), "base_z"),
-        (
-            NotIdentifiableError,
-            lambda: changed(contacts={"shank": changed().contacts["foot"]}),
-            "shank rests on a point",
-        ),
-        (
-            UnreadableInputError,
-            lambda: changed(passive=(), tau=log("press", seconds=SHORT).tau * [np.nan, 1.0, 1.0]),
-            "passive=('base_z',)",
-        ),
+        (NotIdentifiableError, lambda: changed(contacts={"shank": changed().contacts["foot"]}), "shank"),
+        (UnreadableInputError, lambda: changed(passive=(), tau=changed().tau * [np.nan, 1.0, 1.0]), "base_z"),
     ],
 )
 def test_mistakes_beside_a_rail_are_named(kind, make, says):
