@@ -171,28 +171,20 @@ def replay_law(
     limits = (law.limit, law.slew) if isinstance(law, Limited) else (np.inf, np.inf)
     limit, slew = (np.broadcast_to(np.asarray(x, dtype=np.float64), (recording.n_joints,)) for x in limits)
     label = name_of(law) if name is None else name
-    commanded = _commanded(law, q, v, times, aims, where)
-    return LawReplay(
-        label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew
-    )
-
-
-def _commanded(
-    law: AnyLaw, q: FloatArray, v: FloatArray, times: FloatArray, reference: Reference, where: str
-) -> FloatArray:
-    """Torque of each sample, (N, n)."""
     runs, last = stateful(law), None
-    memory, torques = runs.begin(State(q[0], v[0])), np.empty_like(q)
+    memory, commanded = runs.begin(State(q[0], v[0])), np.empty_like(q)
     for k, time in enumerate(times.tolist()):
-        aim = Target(*(None if x is None else x[:, 0] for x in reference.at(time)))  # type: ignore[arg-type]
+        aim = Target(*(None if x is None else x[:, 0] for x in aims.at(time)))  # type: ignore[arg-type]
         with within(f"at {time:g} s"):
             torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
         if torque.shape != q[k].shape or not np.isfinite(torque).all():
             what = f"the controller commands {torque} N·m at {time:g} s"
             remedy = "check that it is for the joints of the log, and that its parameters are finite"
             raise BadArgumentError(what, where=where, remedy=remedy)
-        torques[k] = last = torque
-    return torques
+        commanded[k] = last = torque
+    return LawReplay(
+        label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew
+    )
 
 
 def _sampled(values: FloatArray, elapsed: FloatArray, times: FloatArray) -> FloatArray:

@@ -90,18 +90,6 @@ class MotionFilter:
         angles = self._channel(motion.q, motion.rate, motion.q_read, q)
         return FilteredMotion(*angles, *self._channel(motion.v, motion.a, motion.v_read, v), q, v)
 
-    def tables_in_c(self) -> dict[str, tuple[float, str]]:
-        """Constants of the filter in C: numbers and comments by name."""
-        step = self.pole / self.rate
-        return {
-            "filter_delay": (self.delay, "delay 2/lambda of the motion filter [s]"),
-            "filter_rate": (self.rate, "sampling rate [Hz]"),
-            "filter_zz": (np.exp(-step) * (1.0 + step), "exp(-lambda T) (1 + lambda T)"),
-            "filter_zw": (np.exp(-step) / self.rate, "exp(-lambda T) T [s]"),
-            "filter_wz": (-np.exp(-step) * self.pole * step, "-exp(-lambda T) lambda^2 T [1/s]"),
-            "filter_ww": (np.exp(-step) * (1.0 - step), "exp(-lambda T) (1 - lambda T)"),
-        }
-
     def _channel(
         self, x: FloatArray, y: FloatArray, before: FloatArray, u: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -160,7 +148,8 @@ class SensitivityAmplification:
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C; it has no reference."""
-        share = for_joints(self.share, self.model.n, "amplification")
+        share, one = for_joints(self.share, self.model.n, "amplification"), self.filter
+        step, decay = one.pole / one.rate, float(np.exp(-one.pole / one.rate))
         return describe(
             self.model,
             self.friction,
@@ -170,7 +159,15 @@ class SensitivityAmplification:
             "accelerations",
             step=step_of("sensitivity_amplification"),
             calls=("gravity", "springs", "inverse_dynamics"),
-            tables={"share": (share, "1 - 1/alpha"), **self.filter.tables_in_c()},
+            tables={
+                "share": (share, "1 - 1/alpha"),
+                "filter_delay": (one.delay, "delay 2/lambda of the motion filter [s]"),
+                "filter_rate": (one.rate, "sampling rate [Hz]"),
+                "filter_zz": (decay * (1.0 + step), "exp(-lambda T) (1 + lambda T)"),
+                "filter_zw": (decay / one.rate, "exp(-lambda T) T [s]"),
+                "filter_wz": (-decay * one.pole * step, "-exp(-lambda T) lambda^2 T [1/s]"),
+                "filter_ww": (decay * (1.0 - step), "exp(-lambda T) (1 - lambda T)"),
+            },
             memory=MEMORY,
             begin=step_of("sensitivity_amplification_begin"),
             measured="state->v",

@@ -98,7 +98,10 @@ FEEDFORWARDS = {
     ),
     "measured": Feedforward(
         "Impedance",  # Hogan 1985: the wearer feels −(M ë + D ė + K e), at rest a spring, whatever the weight
-        lambda law, s, t: law.feedback(s, t) + law.known.inverse_dynamics(s.q, s.v, _acceleration_or_zero(s, t)),
+        lambda law, s, t: (
+            law.feedback(s, t)  # a target without acceleration has a constant velocity
+            + law.known.inverse_dynamics(s.q, s.v, np.broadcast_to(0.0 if t.a is None else t.a, s.q.shape))
+        ),
         "tau = K (q_d - q) + D (v_d - v) + M(q) a_d + C(q, v) v + G(q) + springs(q){friction}",
         INVERSE_DYNAMICS.replace("in->q_d, in->v_d", "in->q, in->v"),
         gains=("K [N m/rad]", "D [N m s/rad]"),
@@ -196,8 +199,3 @@ class TrackingLaw:
             tables=tables,
             damping=kind.damping(self, kd),
         )
-
-
-def _acceleration_or_zero(state: State, target: Target) -> FloatArray:
-    """Acceleration of a target; one without counts as one of constant velocity."""
-    return np.zeros_like(state.q) if target.a is None else np.broadcast_to(target.a, state.q.shape)

@@ -219,10 +219,14 @@ class StanceLaw:
         """
         if self.estimate is None:
             return np.zeros(self.model.n)
-        acceleration = self.command(state, target).acceleration
+        a, model, pitch = self.command(state, target).acceleration, self.estimate.model, float(state.pitch)
         _, rows, shares = self._setting(state, {link: float(state.shares.get(link, 1.0)) for link in state.contacts})
         J = np.concatenate([each.J for each in rows])
-        columns = _columns(self.estimate, state, acceleration)
+        turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
+        torso = TorsoMotion(np.array([pitch]), np.array([float(state.pitch_rate)]), a[2:3], (turn @ a[:2])[None])
+        columns = model.regressor(state.q[None], state.v[None], a[None, BASE:], torso)[
+            0
+        ]  # of all parameters, (3 + n, P)
         T = columns[BASE:] - J[:, BASE:].T @ share_map(J[:, :BASE].T, shares, rows, bearing=True) @ columns[:BASE]
         return np.asarray(np.sqrt(np.einsum("ip,pq,iq->i", T, self.estimate.covariance, T).clip(0.0)))
 
@@ -373,15 +377,6 @@ def _solutions(E: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     U, s, Vt = np.linalg.svd(E)
     rank = int(np.count_nonzero(s > 1e-9 * s[0]))
     return Vt[:rank].T @ ((U[:, :rank].T @ b) / s[:rank]), Vt[rank:].T
-
-
-def _columns(estimate: Estimate, state: GroundState, acceleration: FloatArray) -> FloatArray:
-    """Columns of all parameters in a state, (3 + n, P)."""
-    model, a = estimate.model, acceleration
-    pitch, rate = float(state.pitch), float(state.pitch_rate)
-    turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
-    torso = TorsoMotion(np.array([pitch]), np.array([rate]), a[2:3], (turn @ a[:2])[None])
-    return np.asarray(model.regressor(state.q[None], state.v[None], a[None, BASE:], torso)[0])
 
 
 def _pressure_std(estimate: Estimate) -> float:

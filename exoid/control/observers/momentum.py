@@ -69,12 +69,15 @@ class MomentumModel:
         if self.estimate is not None:
             still, rigid = np.zeros_like(q), len(values)
             motion = (np.tile(q, (3, 1)), np.vstack([still, v, still]), np.vstack([v, still, still]))
-            pushed, moving, rest = np.split(self._columns(*motion), 3)
+            band, keys = self._band_model
+            states = {key: np.tanh(motion[1][:, key[0]] / SMOOTHING) for key in keys}  # contacts slide
+            pushed, moving, rest = np.split(band.columns(Motion(*motion, states=states)).transpose(2, 0, 1), 3)
             of_torque = -moving
             of_torque[:, :rigid] = (turned - gravity).transpose(2, 0, 1)
             momentum = np.concatenate([momentum, pushed - rest], axis=1)
             torques = np.concatenate([torques, of_torque], axis=1)
-        return Momentum(momentum, torques, self._unknown(q.T, v.T).T, M)
+        level = np.max([np.abs(model.friction(q.T, np.full_like(v.T, s * WIDTH), 0.0)) for s in (1.0, -1.0)], axis=0).T
+        return Momentum(momentum, torques, self.stiction * level * (1.0 - np.tanh(v / self.width) ** 2), M)
 
     def _of_bodies(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Columns of M(q), (p, n, n, N), and of Cᵀv and G, (p, n, N) each."""
@@ -87,18 +90,6 @@ class MomentumModel:
         gravity, differences = columns[:, :, -1], columns[:, :, :n] - columns[:, :, n : 2 * n]
         mass = columns[:, :, 2 * n : -1] - gravity[:, :, None]
         return mass, 0.25 * np.einsum("nj,kjin->kin", v, differences), gravity
-
-    def _columns(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-        """Columns of the torque by the estimate's parameters and its model error, (N, K, n); contacts slide."""
-        model, keys = self._band_model
-        states = {key: np.tanh(v[:, key[0]] / SMOOTHING) for key in keys}
-        return model.columns(Motion(q, v, a, states=states)).transpose(2, 0, 1)
-
-    def _unknown(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Bound of the friction's error, (n, N)."""
-        slow = np.full_like(v, WIDTH)
-        level = np.maximum(np.abs(self.model.friction(q, slow, 0.0)), np.abs(self.model.friction(q, -slow, 0.0)))
-        return np.asarray(self.stiction * level * (1.0 - np.tanh(v / self.width) ** 2))
 
     @cached_property
     def _band_model(self) -> tuple[WithColumns, list[tuple[int, Presliding]]]:
