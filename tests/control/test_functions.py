@@ -1,7 +1,8 @@
 """Functions are data: feet stay where they bear, stairs are cleared, limits are kept, and a stride comes from a CSV."""
 
 import re
-from dataclasses import replace
+from contextlib import nullcontext
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -101,6 +102,17 @@ def test_legs_are_told_by_the_names_of_their_joints(tmp_path, machine, body):
     path.write_text(text.replace("left", "gauche").replace("right", "droite"))
     with pytest.raises(ExoidError, match="begin with"):
         joint_angles(Leg.from_urdf(path, base="floating"), functions.stand(body).flexion)
+
+
+def test_a_machine_that_faces_backwards_in_its_plane_is_refused(tmp_path, machine, body):
+    """Planes point to x or −y: a machine that faces y would lean and bend its knees the other way."""
+    (leg, own), path = machine, tmp_path / "leg.urdf"
+    front = '<link name="front"/><joint name="yaw" type="fixed"><parent link="front"/><child link="{}"/>{}</joint><link'
+    for yaw, forward in ((-0.5, ""), (0.5, "[0.0, -1.0, 0.0]"), (1.0, "[1.0, 0.0, 0.0]")):
+        turned = front.format(leg.description.root_link, f'<origin rpy="0 0 {yaw * np.pi}"/>')
+        path.write_text(leg.description.text.replace("<link", turned, 1))
+        with pytest.raises(ExoidError, match=re.escape(forward)) if forward else nullcontext():
+            np.testing.assert_allclose(astuple(Body.of(Leg.from_urdf(path, base="floating"), own)), astuple(body))
 
 
 def test_a_stride_of_a_csv_file_is_that_of_the_file(tmp_path):

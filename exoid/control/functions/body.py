@@ -11,9 +11,10 @@ from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.experiments.ground.posture import two_links
 from exoid.leg.leg import Leg
-from exoid.leg.link_frames import link_frame
+from exoid.leg.link_frames import held_directions, link_frame
 from exoid.rig.ground import Sole
-from exoid.tools.numbers import checked
+from exoid.signals.link_wrenches import link_placements
+from exoid.tools.numbers import ROUNDED, checked
 
 SIDES = ("left", "right")
 """Sides in the order of all tables."""
@@ -23,6 +24,10 @@ SEAT = "seat"
 
 TURNS = np.array([1.0, -1.0, 1.0])
 """Signs of hip, knee and ankle about −lateral: the knee flexes backward."""
+
+
+BACKWARDS = 0.1
+"""Way of a sole's middle behind the ankle over its length: of BLEEX −0.13, of a symmetric sole 0, reversed 0.13."""
 
 
 @dataclass(frozen=True)
@@ -65,20 +70,20 @@ class Body:
             The lengths.
 
         Raises:
-            ExoidError: The machine is not planar, or its legs have other joints.
+            ExoidError: The machine is not planar, its legs have other joints, or it faces backwards.
         """
         joints = [limb.chain.n for limb in leg.limbs]
-        foot = next((sole for link, sole in soles.items() if link != leg.description.root_link), None)
+        foot = next((link for link in soles if link != leg.description.root_link), None)
         if not joints or joints[0] not in (2, 3) or foot is None:
             raise BadArgumentError(
                 "no lengths of hip, knee and sole", where=leg.description.name, remedy="use a planar machine with soles"
             )
+        refuse_backwards(leg, soles)
         offsets = np.linalg.norm(leg.limbs[0].chain.offsets, axis=1)
-        forward, up = foot.points @ leg.plane.forward, float(foot.centre @ leg.plane.up)
-        if joints[0] == 2:  # the sole is on the shank
-            middle = float(forward.mean())
-            return cls(float(offsets[0]), -up, 0.0, float(forward.min()) - middle, float(forward.max()) - middle)
-        return cls(float(offsets[0]), float(offsets[1]), -up, float(forward.min()), float(forward.max()))
+        forward, _, up = from_joint(leg, foot, soles[foot]).T
+        # without an ankle the sole is on the shank
+        shank, ankle, middle = (-up.mean(), 0.0, forward.mean()) if joints[0] == 2 else (offsets[1], -up.mean(), 0.0)
+        return cls(*map(float, (offsets[0], shank, ankle, forward.min() - middle, forward.max() - middle)))
 
     @property
     def leg(self) -> float:
@@ -175,3 +180,28 @@ def contact_name(leg: Leg, link: str) -> str:
     """
     body, _ = link_frame(leg.model, leg.description, link)
     return next((limb.label for limb in leg.limbs if limb.joints.start <= body < limb.joints.stop), SEAT)
+
+
+def refuse_backwards(leg: Leg, soles: Mapping[str, Sole]) -> None:
+    """Refuse a machine whose right leg is on the left of its plane, or whose soles point backwards."""
+    # The plane of a leg points to x or −y: its sign is that of its axis, and says nothing about the machine.
+    sides, behind, still = {"left": np.inf, "right": -np.inf}, False, np.zeros((1, len(leg.joint_names)))
+    for link, sole in soles.items():
+        if (side := contact_name(leg, link)) != SEAT:
+            sides[side] = float(link_placements(leg, still, link).translation[0] @ leg.plane.lateral)
+            ahead = from_joint(leg, link, sole)[:, 0]
+            behind |= bool(ahead.min() + ahead.max() < -2.0 * BACKWARDS * np.ptp(ahead))
+    if behind or sides["left"] < sides["right"] - ROUNDED:
+        raise BadArgumentError(
+            f"{'the soles point backwards' if behind else 'the left foot is on the right'}: forward is "
+            f"{(leg.plane.forward.round(3) + 0.0).tolist()} in the axes of {leg.description.root_link}",
+            where=leg.description.name,
+            remedy="write the URDF with x forward and y left (docs/floating-base.md), or correct sides and soles",
+        )
+
+
+def from_joint(leg: Leg, link: str, sole: Sole) -> FloatArray:
+    """Points of a sole from the joint that carries it, forward, sideward and up at the zero pose [m], (K, 3)."""
+    axes = held_directions(leg.model, leg.description, link, leg.plane)[:3, :3]
+    placement = link_frame(leg.model, leg.description, link).placement
+    return np.asarray((sole.points - placement.inverse().translation) @ axes.T)

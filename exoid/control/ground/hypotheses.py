@@ -17,6 +17,7 @@ from exoid.control.functions import Contacts, contact_name
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.estimate import EstimateData
 from exoid.leg.base_kinematics import BaseKinematics
+from exoid.leg.link_frames import held_directions
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.rig.ground import Sole
 from exoid.torques.model import TorqueModel
@@ -420,13 +421,16 @@ class ContactFilter:
     @cached_property
     def _prior(self) -> FloatArray:
         """Standard deviations of forward and upward force [N] and of the moment about the middle of a sole [N·m]."""
-        half = max(0.5 * float(np.ptp(sole.points @ self.model.leg.plane.forward)) for sole in self.soles.values())
+        half = max(0.5 * float(np.ptp(sole.points @ self.axes[link][0, :3])) for link, sole in self.soles.items())
         return np.array([0.2, 0.5, 0.5 * max(half, 0.01)]) * self._weight
+
+    @cached_property
+    def axes(self) -> dict[str, FloatArray]:
+        """Forward, up and pitch of each sole, of a twist in the axes of its link, (3, 6)."""
+        leg = self.model.leg
+        return {link: held_directions(leg.model, leg.description, link, leg.plane)[[0, 2, 4]] for link in self.soles}
 
     def _columns(self, q: FloatArray, link: str) -> FloatArray:
         """Columns Jᵀ P^½ of the wrench on a sole about its middle, (K, R, 3); a point has a small moment."""
-        leg = self.model.leg
-        J = leg.frame_jacobian(q, link, self.soles[link].centre)
-        forward, lateral, up = leg.plane
-        rows = (forward @ J[:, :3], up @ J[:, :3], -lateral @ J[:, 3:])
-        return np.stack(rows, axis=2) * self._prior
+        J = self.model.leg.frame_jacobian(q, link, self.soles[link].centre)
+        return np.swapaxes(self.axes[link] @ J, 1, 2) * self._prior

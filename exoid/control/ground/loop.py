@@ -340,8 +340,7 @@ class CoordinatedLoop(LawLoop):
         """Change of the angles of a leg that lowers its sole by 1 m, parallel to itself if it has an ankle."""
         leg, link = self.law.model.leg, self._links[side]
         J = leg.frame_jacobian(q[np.newaxis], link, self.contacts.soles[link].centre)[0, :, leg.base_rows :][:, joints]
-        forward, lateral, up = leg.plane
-        rows = np.array([up @ J[:3], forward @ J[:3], lateral @ J[3:]])[: J.shape[1]]
+        rows = (self.contacts.axes[link][[1, 0, 2]] @ J)[: J.shape[1]]
         return np.asarray(np.linalg.lstsq(rows, -np.eye(len(rows))[0])[0])
 
 

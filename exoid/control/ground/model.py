@@ -13,12 +13,14 @@ import numpy as np
 import pinocchio as pin
 
 from exoid._typing import FloatArray
+from exoid.control.functions.body import from_joint, refuse_backwards
 from exoid.control.model import ControlModel, completed
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate import Estimate
+from exoid.leg.catalog import load_exo
 from exoid.leg.floating_base import free_flyer_model, planar_coordinates
 from exoid.leg.leg import Leg
-from exoid.leg.link_frames import link_frame
+from exoid.leg.link_frames import held_directions, link_frame
 from exoid.leg.model import configuration
 from exoid.rig.ground import GroundPlant, Sole
 from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
@@ -84,8 +86,18 @@ class GroundModel(ControlModel):
             model = cls(source.leg, springs, source.coulomb, source.viscous, source.armature)
             soles = source.soles if soles is None else soles
         elif isinstance(source, Estimate):
-            _refuse_unknown_weight(source)
-            model = cls.of_parameters(source.model, completed(source).values)  # type: ignore[assignment]
+            known = completed(source)
+            # without M the base does not float, or the machine is not planar, which is refused below
+            M, used = (one["M"] if "M" in source.names else None for one in (source, known))
+            if M and used and not max(M.std, abs(used.value - M.value)) <= 0.1 * M.value:  # a guess, not a measurement
+                raise NotIdentifiableError(
+                    f"the estimate does not know the total mass: M = {M.value:.3g} ± {M.std:.3g} kg, and "
+                    f"{used.value:.3g} kg with what it does not determine as in the URDF",
+                    where=source.leg.description.name,
+                    remedy="identify with a log of stance as well, and mend what the findings of the estimate name",
+                    parameters=("M",),
+                )
+            model = cls.of_parameters(source.model, known.values)  # type: ignore[assignment]
         else:
             model = cls.of(source)  # type: ignore[assignment]
         return replace(model, soles=_soles(model.leg, soles))
@@ -97,14 +109,13 @@ class GroundModel(ControlModel):
     @cached_property
     def pinocchio(self) -> pin.Model:
         """Bodies and rotors behind a free base, without gravity, with a frame at the middle of each sole."""
-        leg, plane = self.leg, np.column_stack(self.leg.plane)
+        leg = self.leg
         free = free_flyer_model(leg.model)
         free.armature[6:] += self.armature
-        at_zero = leg.forward_kinematics(np.zeros((1, self.n))).rotation[0]
         for link, sole in self.soles.items():
             body, placement = link_frame(leg.model, leg.description, link)
-            turn = (np.eye(3) if body < 0 else at_zero[body]) @ placement.rotation
-            place = placement * pin.SE3(turn.T @ plane, 0.5 * (sole.points.min(axis=0) + sole.points.max(axis=0)))
+            axes = held_directions(leg.model, leg.description, link, leg.plane)[:3, :3]
+            place = placement * pin.SE3(axes.T, 0.5 * (sole.points.min(axis=0) + sole.points.max(axis=0)))
             free.addFrame(pin.Frame(f"exoid sole {link}", body + 2, 0, place, pin.FrameType.OP_FRAME))
         free.gravity.setZero()
         return free
@@ -112,24 +123,20 @@ class GroundModel(ControlModel):
     @cached_property
     def places(self) -> dict[str, Place]:
         """Middle of each sole."""
-        free, out = self.pinocchio, {}
-        for link, sole in self.soles.items():
-            frame = free.getFrameId(f"exoid sole {link}")
-            _, placement = link_frame(self.leg.model, self.leg.description, link)
-            forward = sole.points @ (placement.inverse() * free.frames[frame].placement).rotation[:, 0]
-            out[link] = Place(frame, 0.5 * float(np.ptp(forward)))
-        return out
+        return {
+            link: Place(self.pinocchio.getFrameId(f"exoid sole {link}"), 0.5 * float(np.ptp(points[:, 0])))
+            for link, points in ((link, from_joint(self.leg, link, sole)) for link, sole in self.soles.items())
+        }
 
     @cached_property
     def turns(self) -> dict[str, FloatArray]:
         """Signs by which the joints turn each sole against the torso, positive like the pitch, (n,)."""
-        out = {}
-        for link in self.soles:
-            body, _ = link_frame(self.leg.model, self.leg.description, link)
-            out[link] = np.zeros(self.n)
+        out = {link: np.zeros(self.n) for link in self.soles}
+        for link, signs in out.items():
             for limb in self.leg.limbs:
-                if limb.joints.start <= body < limb.joints.stop:
-                    out[link][limb.joints.start : body + 1] = limb.chain.signs[: body + 1 - limb.joints.start]
+                place = link_frame(self.leg.model, self.leg.description, link).body - limb.joints.start
+                if 0 <= place < limb.chain.n:
+                    signs[limb.joints][: place + 1] = limb.chain.signs[: place + 1]
         return out
 
     @cached_property
@@ -179,30 +186,18 @@ class GroundModel(ControlModel):
         return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]))
 
 
-def _refuse_unknown_weight(source: Estimate) -> None:
-    """Refuse an estimate whose recordings did not say how heavy the machine is."""
-    if "M" not in source.names:
-        return  # the base does not float, or the machine is not planar: refused as such
-    mass = source["M"]
-    if not mass.std <= 0.1 * abs(mass.value):  # a guess, not a measurement
-        raise NotIdentifiableError(
-            f"the estimate does not know the total mass: M = {mass.value:.3g} ± {mass.std:.3g} kg",
-            where=source.leg.description.name,
-            remedy="identify with a log of stance as well: swing alone says nothing about the mass",
-            parameters=("M",),
-        )
-
-
 def _soles(leg: Leg, soles: Mapping[str, Sole] | None) -> Mapping[str, Sole]:
-    """Soles that are given, or those of the built-in machine whose links the leg has."""
-    links = set(leg.description.child_links.values())
-    known = SOLES.get(re.split(r"[._]", leg.description.name)[0], {}) if soles is None else soles
-    if not known or not (soles or links.issuperset(known)):
+    """Soles that are given, or those of the built-in machine that the leg is by its name and lengths."""
+    known, name = soles, re.split(r"[._]", leg.description.name)[0]
+    if soles is None and name in SOLES:
+        own, built_in = (one.limbs[0].chain.offsets.round(9) for one in (leg, load_exo(name)))
+        known = SOLES[name] if np.array_equal(own, built_in) else None
+    if not known:
         raise BadArgumentError(
             "the soles of this machine are not known",
             where=leg.description.name,
             remedy='give soles={"left_foot": exoid.rig.ground.Sole.flat(heel, toe, height), ...}',
+            command='write the law in Python: exoid.codegen.write_c("law.c", exoid.control.stance(est, soles))',
         )
-    for link in known:
-        link_frame(leg.model, leg.description, link)
+    refuse_backwards(leg, known)
     return MappingProxyType(dict(known))

@@ -14,6 +14,7 @@ from exoid.control.functions import Body, joint_angles, minimum_jerk, rise
 from exoid.control.ground import GroundState, GroundTarget, stance
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.experiments import ground
+from exoid.leg.description import describe
 from exoid.leg.floating_base import free_flyer_model
 from exoid.leg.link_frames import link_frame
 from exoid.leg.torso import TorsoMotion
@@ -248,9 +249,11 @@ def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(machine):
 
 def test_an_uncertain_weight_is_refused_and_a_less_certain_model_keeps_further_from_the_edges(machine):
     """Without the total mass there is no support; the margin of the pressure has two standard deviations."""
-    with pytest.raises(NotIdentifiableError) as refused:
-        stance(estimate_of(machine, 0.01, mass=20.0))
-    assert refused.value.parameters == ("M",)
+    known = estimate_of(machine, 0.01)
+    for unknown in (estimate_of(machine, 0.01, mass=20.0), replace(known, values=-known.values)):
+        with pytest.raises(NotIdentifiableError) as refused:
+            stance(unknown)
+        assert refused.value.parameters == ("M",)
     margins = [stance(estimate_of(machine, size)).margin for size in (0.0, 0.01, 0.03)]
     assert margins[0] == pytest.approx(0.01)
     assert margins[0] < margins[1] < margins[2]
@@ -274,3 +277,6 @@ def test_what_the_law_refuses(machine):
         stance(machine, kp=(1.0, 2.0))
     with pytest.raises(BadArgumentError, match="soles"):
         stance(machine, soles={})
+    shorter = describe(machine.description.text.replace("-0.43", "-0.4"), "bleex_of_mine.urdf")
+    with pytest.raises(BadArgumentError, match="soles"):
+        stance(exoid.Leg.from_description(shorter, base="floating"))
