@@ -70,6 +70,9 @@ class ControlModel:
 
         Raises:
             ExoidError: The source is none of these, or a plant of several rigs.
+
+        Warns:
+            UserWarning: Parameters of the estimate are not determined, or its findings have errors.
         """
         if isinstance(source, ControlModel):
             return source
@@ -330,7 +333,11 @@ ModelSource = Estimate | Leg | Plant | ControlModel
 
 
 def completed(source: Estimate) -> Estimate:
-    """Take what an estimate does not determine from the leg as it was given, and friction and offsets as zero."""
+    """Take what an estimate does not determine from the leg as it was given, friction as zero; warn of its errors."""
+    errors = [f"{one.kind} {one.joint}".strip() for one in source.findings if one.severity == "error"]
+    if errors:
+        what = "the estimate has errors, and so has a law that is made of it; its findings say what to mend"
+        warnings.warn(f"{what}: {', '.join(errors)}", UserWarning, stacklevel=3)
     free = np.flatnonzero((np.array(source.identifiability) == "not") & (source.std > 0.0))
     if not len(free):
         return source

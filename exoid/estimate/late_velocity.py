@@ -29,7 +29,7 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
     rate = even.sample_rate
     low_pass = ZeroPhase(cutoff=min(6.0, 0.15 * rate))
     edge = low_pass.edge(rate)
-    if len(even) <= 2 * edge + 20 or even.v is None:
+    if len(even) <= max(2 * edge + 20, 3.0 * rate / low_pass.cutoff) or even.v is None:  # it filters 2.6 periods
         return
     q, logged = low_pass.filter(even.q, rate), low_pass.filter(even.v, rate)
     v = difference(q, rate, 1, 4)

@@ -323,6 +323,7 @@ LOGS = {
     "a joint without torque": (lambda r: replace(r, tau=r.tau * [1.0, np.nan, 1.0]), IN, ("left_knee",)),
     "a frozen angle": (frozen, IN, ("left_knee",)),
     "a velocity of the other sign": (lambda r: replace(r, v=derived(r) * [1.0, 1.0, -1.0]), IN, ("left_ankle",)),
+    "a velocity of another scale": (lambda r: replace(r, v=derived(r) * [1.0, 1.5, 1.0]), IN, ("left_knee",)),
     "another leg": (lambda r: replace(r, joint_names=RIGHT), ExoidError, BLEEX.joint_names),
     "a tilt": (lambda r: replace(r, torso=TorsoMotion(pitch=0.2)), NotSupportedError, ()),
 }

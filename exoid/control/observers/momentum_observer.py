@@ -210,7 +210,7 @@ class MomentumObserver:
         rows = _stacked(q, v, recording.tau)
         refuse_readings(rows, q[0], self.rate, self.names, "the log")
         if v is not None:
-            refuse_contradictions(recording, v)
+            refuse_contradictions(recording, v, self.alignment.lags[0])
         # the mean velocity over the delay of the channels
         count = min(max(1, round(self.alignment.delay * self.rate)), len(q) - 1)
         memory = self.begin(q[0], (q[count] - q[0]) * self.rate / count if v is None else v[0], rows[0, 2])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import warnings
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,15 +12,16 @@ from exoid._typing import BoolArray, FloatArray
 from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.estimate import Estimate
+from exoid.estimate.late_velocity import late_velocities
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import TorqueModel
 
-PARTS, MOVED = 10, 0.2
-"""Tenths of a second for which an angle stands still, and way by its velocities that this contradicts [rad]: noise
-of 0.1 rad/s is a tenth of it. None of 400 drawn motions with rests, lags up to 50 ms and such noise was refused."""
+PARTS, MOVED, SCALE = 10, 0.2, 0.2
+"""Tenths of a second for which an angle stands still, way by its velocities that this contradicts [rad]: noise of
+0.1 rad/s is a tenth of it; and error of a velocity's scale: a tachometer behind a low-pass of 5 Hz has 0.07."""
 
 
 class ObserverReading(NamedTuple):
@@ -110,22 +112,26 @@ def refuse_readings(rows: FloatArray, before: FloatArray, rate: float, names: tu
         )
 
 
-def refuse_contradictions(recording: Recording, v: FloatArray) -> None:
-    """Refuse a log with an angle that is frozen while its velocity is not, or with a velocity of the other sign."""
+def refuse_contradictions(recording: Recording, v: FloatArray, lags: FloatArray) -> None:
+    """Refuse a log with an angle that is frozen while its velocity is not, or a velocity of another scale or sign."""
     part = max(1, round(0.1 * recording.sample_rate))
     ways = np.diff(recording.q[::part], axis=0)
     turned = np.add.reduceat(v, np.arange(0, len(v), part), axis=0)[:-1] / recording.sample_rate
-    against = np.sum(ways * turned, axis=0) < -0.5 * np.linalg.norm(ways, axis=0) * np.linalg.norm(turned, axis=0)
     whole = len(ways) // PARTS * PARTS
     q, path = (np.abs(x[:whole]).reshape(-1, PARTS, x.shape[1]).sum(axis=1) for x in (ways, turned))
-    frozen = ((q == 0.0) & (path > MOVED)).any(axis=0)
-    for j in np.flatnonzero(frozen | (against & (np.abs(turned).sum(axis=0) > MOVED)))[:1]:
-        name = recording.joint_names[j]
-        what = f"the velocity of {name} has not the sign of the change of its angle"
-        if frozen[j]:
-            what = f"the angle of {name} is frozen while its velocity is not"
+    frozen = np.array(recording.joint_names)[((q == 0.0) & (path > MOVED)).any(axis=0)].tolist()
+    wrong = [(name, "the angle is frozen while its velocity is not") for name in frozen]
+    time = recording.time
+    on_time = np.column_stack([np.interp(time + lag, time, x) for lag, x in zip(lags, v.T, strict=True)])
+    for finding in late_velocities(replace(recording, v=on_time)):
+        if finding.kind == "velocity-scale" and abs(finding.value - 1.0) > SCALE:
+            wrong.append((finding.joint, finding.message))
+        else:
+            what = f"{finding.joint}: {finding.message}; give the observer velocity_delay=, or no velocities"
+            warnings.warn(what, UserWarning, stacklevel=3)
+    for name, what in wrong[:1]:
         remedy = "mend the channel; without velocities in the log they are derived from the angles"
-        raise UnreadableInputError(what, where=recording.file_name, remedy=remedy, joints=(name,))
+        raise UnreadableInputError(f"{name}: {what}", where=recording.file_name, remedy=remedy, joints=(name,))
 
 
 def observed_log(source: ModelSource, recording: Recording, rate: float) -> Recording:

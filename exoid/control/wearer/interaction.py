@@ -14,6 +14,7 @@ from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.finding import Finding, ordered
+from exoid.estimate.late_velocity import without_late_velocity
 from exoid.estimate.torque_filter import to_predict
 from exoid.estimate.validation_checks import (
     as_trained,
@@ -266,7 +267,8 @@ def interaction(
     """
     estimate, (recording,) = to_predict(estimate, [recording], actuators)
     chosen = TorqueFilter.of(estimate, cutoff)
-    recording = for_leg(estimate.model, as_trained(estimate, recording))
+    recording, late = without_late_velocity(as_trained(estimate, recording))
+    recording = for_leg(estimate.model, recording)
     name, measured = recording.file_name, recording.measured
     even, preparation = recording.resampled(), chosen.preparation
     rate = even.sample_rate
@@ -281,6 +283,7 @@ def interaction(
     findings = [
         *shifted_torques(estimate),
         *channel_findings(recording),
+        *late,
         *([] if found.ranges is None else extrapolations(estimate, found.ranges)),
         *unmeasured_torques(estimate, measured),
         *too_few_samples(estimate, evidence),

@@ -95,6 +95,10 @@ def test_an_estimate_with_errors_cannot_tell_that_nothing_acts(estimate, unworn)
     assert exoid.interaction(doubtful, pushed).worn
     stuck = dataclasses.replace(unworn, tau=np.where(unworn.time[:, None] > 15.0, unworn.tau[1500], unworn.tau))
     assert exoid.interaction(estimate, stuck).worn is None  # the log has an error
+    fast = dataclasses.replace(unworn, v=1.5 * np.gradient(unworn.q, unworn.time, axis=0))
+    assert {one.kind for one in exoid.interaction(estimate, fast).findings} == {"velocity-scale"}
+    with pytest.warns(UserWarning, match=f"errors.*torque-sign {estimate.joint_names[0]}"):
+        exoid.control.gravity_support(doubtful)
 
 
 def test_a_torque_outside_the_band_that_is_not_significant_is_neither_worn_nor_not_worn(estimate, unworn):
