@@ -210,13 +210,7 @@ class TorqueModel:
                 parameters += [name for name, column in zip(block.names, columns, strict=True) if not column.any()]
         return tuple(name for name in parameters if name in self.names)
 
-    def regressor(
-        self,
-        q: ArrayLike,
-        v: ArrayLike,
-        a: ArrayLike,
-        torso: MovingBase | None = None,
-    ) -> FloatArray:
+    def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, torso: MovingBase | None = None) -> FloatArray:
         """Form the regressor W of all parameters: τ = W(q, v, a) β.
 
         Args:

@@ -3,8 +3,4 @@
 from .standing_base import level_rotation
 from .stretches import Split, split
 
-__all__ = [
-    "Split",
-    "level_rotation",
-    "split",
-]
+__all__ = ["Split", "level_rotation", "split"]

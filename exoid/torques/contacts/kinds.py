@@ -86,11 +86,9 @@ def refuse_overdetermined(leg: Leg, recording: Recording) -> None:
         for edge in edges:
             both = int(np.count_nonzero(contacts[edge] & contacts[foot])) if foot in contacts else 0
             if both:
-                raise BadArgumentError(
-                    f"{foot} rests flat and on {edge} at once, at {both} samples",
-                    where=where,
-                    remedy=f"say one of both; where {foot} is down by any switch, leave contact_{foot} out",
-                )
+                what = f"{foot} rests flat and on {edge} at once, at {both} samples"
+                remedy = f"say one of both; where {foot} is down by any switch, leave contact_{foot} out"
+                raise BadArgumentError(what, where=where, remedy=remedy)
     if not leg.limbs:
         return
     held: dict[int, dict[str, BoolArray]] = {}
@@ -98,12 +96,8 @@ def refuse_overdetermined(leg: Leg, recording: Recording) -> None:
         held.setdefault(link_frame(leg.model, leg.description, link).body, {})[link] = flags
     for links in held.values():
         # in the plane a link has three directions; heel and toe hold four, one of which twice, and are flat together
-        count = np.sum(
-            [(3 if leg.contact_kind(link) == "flat" else 2) * flags for link, flags in links.items()], axis=0
-        )
-        if (count > 4).any():
-            raise BadArgumentError(
-                f"contacts of {', '.join(links)} overdetermine one link of a planar leg",
-                where=where,
-                remedy="give heel and toe alone, which say together that the foot is flat",
-            )
+        held_by = [(3 if leg.contact_kind(link) == "flat" else 2) * flags for link, flags in links.items()]
+        if (np.sum(held_by, axis=0) > 4).any():
+            what = f"contacts of {', '.join(links)} overdetermine one link of a planar leg"
+            remedy = "give heel and toe alone, which say together that the foot is flat"
+            raise BadArgumentError(what, where=where, remedy=remedy)

@@ -48,9 +48,7 @@ def slipping(
     leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, time: FloatArray, widened: int
 ) -> NDArray[np.bool_]:
     """Find the samples at which links that rest move: against each other where the base floats."""
-    slips = np.zeros(len(q), dtype=np.bool_)
-    base = leg.base_rows
-    v = np.gradient(q, time, axis=0)
+    slips, base, v = np.zeros(len(q), dtype=np.bool_), leg.base_rows, np.gradient(q, time, axis=0)
     if not base:
         for link, flags in rest.items():
             twist = np.einsum("ncj,nj->nc", leg.frame_jacobian(q, link, lowest_point(leg, q, link)), v)

@@ -9,6 +9,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import ArrayLike
 
 from exoid._typing import FloatArray
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.model import joint_axis
@@ -50,7 +51,14 @@ def standing_base(
         place += pivot - leans @ pivot
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
     cutoff = min(0.2 * recording.sample_rate, CUTOFF)
-    found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
+    try:
+        found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
+    except BadArgumentError:  # only a jump of an angle turns a base so fast
+        row, joint = divmod(int(np.argmax(np.abs(np.diff(recording.q, axis=0)))), recording.q.shape[1])
+        name, when = recording.joint_names[joint], recording.time[row + 1]
+        what = f"the angle of {name} jumps at {when:.4g} s: its encoder slipped, or was frozen before"
+        remedy = "use the part of the log before or after it (Recording.between, --start, --stop)"
+        raise UnreadableInputError(what, where=recording.file_name, remedy=remedy, joints=(name,)) from None
     return StandingBase(found.angular_velocity, found.specific_force, found.position, found.pose, link=link)
 
 

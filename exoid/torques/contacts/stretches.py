@@ -199,13 +199,10 @@ def _stretch(
         borne = sum(float(np.linalg.norm(wrench.force[usable].mean(axis=0))) for wrench in wrenches.values())
         # The first parameter is the mass of the machine, which a URDF has wrong by a factor, but not by ten
         if size > 0.5 * GRAVITY and borne < 0.1 * leg.parameters[0] * size:
-            raise UnreadableInputError(
-                f"no contact is there, wrenches of {borne:.3g} N bear hardly any weight, and the accelerometer of the "
-                f"base reads {size:.3g} m/s²: it is held",
-                where=recording.file_name,
-                remedy="say what holds it: a foot, a hook or a stand by a contact of its link (is a switch inverted?), "
-                "a load cell there by a wrench",
-            )
+            what = f"no contact is there, wrenches of {borne:.3g} N bear hardly any weight"
+            what = f"{what}, and the accelerometer of the base reads {size:.3g} m/s²: it is held"
+            remedy = "say what holds it: a foot, a hook or a stand by a contact of its link (is a switch inverted?)"
+            raise UnreadableInputError(what, where=recording.file_name, remedy=f"{remedy}, a load cell by a wrench")
     return Stretch(links, (), replace(recording, mask=usable, base=base, wrenches=wrenches))
 
 
@@ -245,13 +242,13 @@ def _refuse_held_rail(leg: Leg, recording: Recording, links: tuple[str, ...], ro
     """Refuse contacts that hold all joints of a leg on a rail: in the air, its rows also fit where nothing has mass."""
     foot, rail = links[0], leg.joint_names[0]
     if rail in recording.passive and rows.loop is not None and not rows.loop.shape[2]:
-        raise NotIdentifiableError(
-            f"the {leg.contact_kind(foot)} contact of {foot} holds all joints; nothing else tells what {rail} bears",
-            where=recording.file_name,
-            remedy=f'say that {foot} rests on a point, contacts={{"{foot}": "point"}}, or measure its force',
-            command=f"say that {foot} rests on a point, --contact {foot}=point, or measure its force",
-            joints=(rail,),
+        kind, where = leg.contact_kind(foot), recording.file_name
+        what = f"the {kind} contact of {foot} holds all joints; nothing else tells what {rail} bears"
+        remedy, command = (
+            f"say that {foot} rests on a point, {how}, or measure its force"
+            for how in (f'contacts={{"{foot}": "point"}}', f"--contact {foot}=point")
         )
+        raise NotIdentifiableError(what, where=where, remedy=remedy, command=command, joints=(rail,))
 
 
 def _without_gaps(recording: Recording) -> tuple[Recording, NDArray[np.bool_]]:

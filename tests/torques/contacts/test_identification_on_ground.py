@@ -240,6 +240,7 @@ def test_a_recording_that_the_others_contradict_is_named(exo, stance, sign):
 
 RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
 STRAIGHT, AROUND, ASKEW = (Rotation.from_euler("z", angle, degrees=True).as_matrix() for angle in (0.0, 180.0, 15.0))
+PITCHED, TURNED = (Rotation.from_rotvec(x, degrees=True).as_matrix() for x in ([0.0, 10.0, 0.0], [60.0, 0.0, 60.0]))
 
 
 @pytest.mark.parametrize(
@@ -247,7 +248,10 @@ STRAIGHT, AROUND, ASKEW = (Rotation.from_euler("z", angle, degrees=True).as_matr
     [
         pytest.param(AROUND, 1.0, {}, "-x, -y, z", id="a sensor that is mounted the other way round"),
         pytest.param(ASKEW, 1.0, {}, r"by 15° about \(-?0.00, -?0.00, 1.00\)", id="a sensor that is mounted askew"),
+        pytest.param(PITCHED, 1.0, {}, r"by \d+° about \(-?0.\d\d, 1.00, ", id="a sensor that is pitched"),
+        pytest.param(TURNED, 1.0, {}, r"by 8\d° about \(0.\d\d, ", id="a sensor that is turned about two axes"),
         pytest.param(STRAIGHT, 0.0, {}, "reads 0 times", id="a gyroscope that is dead"),
+        pytest.param(STRAIGHT, 0.8, {}, "reads 0.8 times", id="a gyroscope of another range"),
         pytest.param(STRAIGHT, np.pi / 180.0, {}, "reads 0.017 times", id="rad/s that are read as degrees"),
         pytest.param(STRAIGHT, 1.0, RIGHT, "as if left_foot stood", id="switches that are interchanged"),
         pytest.param(
@@ -270,6 +274,7 @@ def test_a_base_that_moves_otherwise_than_its_foot_is_refused(exo, stance, turn,
     [
         ([0, 4, 2, 3, 1, 5], 1.0, "the angles of left_knee and right_knee were interchanged"),
         ([0, 1, 2, 3, 4, 5], [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0], "the angle of left_hip had the other sign"),
+        ([0, 1, 2, 3, 4, 5], [1.0, -1.0, 1.0, 1.0, 1.0, 1.0], "the angle of left_knee had the other sign"),
     ],
 )
 def test_angles_that_a_base_contradicts_are_refused(exo, stance, order, sign, message):
@@ -277,6 +282,14 @@ def test_angles_that_a_base_contradicts_are_refused(exo, stance, order, sign, me
     log = with_imu(stance[1], 0)
     with pytest.raises(ExoidError, match=message):
         split(exo, replace(log, q=log.q[:, order] * sign))
+
+
+def test_an_angle_that_jumps_on_a_foot_at_rest_is_named(exo, stance):
+    """Before, markers of the base were said to be lost."""
+    log = with_imu(stance[1], 0)
+    q = log.q + 0.3 * ((log.time > 5.0)[:, np.newaxis] & (np.arange(6) == 1))
+    with pytest.raises(ExoidError, match=r"the angle of left_knee jumps at 5\.0"):
+        split(exo, replace(log, q=q, v=None))
 
 
 @pytest.mark.parametrize("pitch", [-1.0, -1.5, -2.0])
