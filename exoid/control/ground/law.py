@@ -426,3 +426,5 @@ def _refuse(model: GroundModel, state: GroundState, target: GroundTarget) -> Non
             f"{state} with {target}", remedy=f"give finite numbers: {model.n} for the joints, {BASE} for a push"
         )
     checked([float(s) for s in state.shares.values()] or 0.0, "shares of the load", least=0.0)
+    angles = np.abs([*state.q, *target.q, state.pitch, target.pitch])
+    checked(angles.max(), "the largest angle of state and target [rad], not degrees", most=2.0 * np.pi)

@@ -267,7 +267,8 @@ def test_what_the_law_refuses(machine):
     target, missing = target_of(state), np.full(6, np.nan)
     wrong = [{"contacts": contacts} for contacts in ({}, {"torso": "flat"}, {"left_foot": "ball"})]
     wrong += [{"shares": shares} for shares in ({"left_foot": -1.0}, dict.fromkeys(BOTH, 0.0), {"left": 1.0})]
-    wrong += [{"pitch": np.nan}, {"q": state.q[:3]}, {"interaction": missing}, {"push": missing[:3]}, {"lean": np.nan}]
+    wrong += [{"pitch": x} for x in (np.nan, 9.0)] + [{"interaction": missing}, {"push": missing[:3]}, {"lean": np.nan}]
+    wrong += [{"q": q} for q in (state.q[:3], np.rad2deg(state.q))]
     cases = [(state._replace(**each), target) for each in wrong]
     cases += [(state, target._replace(**{name: missing})) for name in "qva"] + [(state, target._replace(q=state.q[:1]))]
     for case in cases:
