@@ -59,10 +59,10 @@ def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None =
         Motion of the leg.
 
     Raises:
-        ExoidError: The leg is not planar, has other joints, or a role does not fit.
+        ExoidError: The leg is not planar, has other joints or another order of them, or a role does not fit.
     """
     labels, chain = joint_roles(leg, roles or {}), leg.chain
-    if chain is None or any(label not in ROLES for label in labels):
+    if chain is None or [role for role in ROLES if role in labels] != [*labels]:  # from the torso outwards
         raise NotSupportedError(
             f"no gait for the joints {', '.join(labels)}",
             where=leg.description.name,

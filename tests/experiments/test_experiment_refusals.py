@@ -122,6 +122,7 @@ REFUSED = {
     ],
     NotSupportedError: [
         ("shoulder", lambda: gait_for_leg(arm(), GAIT)),
+        ("knee, hip", lambda: gait_for_leg(CUHK, GAIT, {"left_hip": "knee", "left_knee": "hip"})),
         ("planar", lambda: planar_legs(spatial_plant())),
         ("one sole", lambda: squats_and_shifts(ONE_JOINT, 1.0)),
         ("one sole", lambda: stance(soles={"left_foot": BLEEX_SOLES["left_foot"]})),
