@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -106,6 +106,7 @@ class EstimateData(ParameterTable):
         freeze(self, {"residual_rms": (joints,), "torque_delays": (joints,)})
         self.evidence.check(count, joints)
         object.__setattr__(self, "model", self.model.loaded_by(self.values))
+        object.__setattr__(self, "nonlinear", replace(self.nonlinear, doubtful=self.doubtful))
         positive = min(self.dof, *self.dof_each) > 0.0 and (np.diag(self.covariance) >= 0.0).all()
         if not (positive and self.condition_number >= 1.0):
             raise BadArgumentError(
@@ -180,10 +181,8 @@ class EstimateData(ParameterTable):
             return self.parameter(name)
         nonlinear = self.nonlinear
         k = nonlinear.names.index(name)
-        low, high = nonlinear.interval(self.dof)[k]
-        value, std = float(nonlinear.values[k]), float(nonlinear.std[k])
-        interval = (float(low), float(high))
-        return Parameter(name, value, std, interval, nonlinear.units[k], nonlinear.identifiability[k])
+        value, std, (low, high) = float(nonlinear.values[k]), float(nonlinear.std[k]), nonlinear.interval(self.dof)[k]
+        return Parameter(name, value, std, (float(low), float(high)), nonlinear.units[k], nonlinear.identifiability[k])
 
     def __iter__(self) -> Iterator[str]:
         """Go over the names of all parameters."""

@@ -23,6 +23,7 @@ class NonlinearParameters:
         values: (S,).
         covariance: Covariance of the values (Gauss and Newton), (S, S); zero for those that are held.
         held: Constants that stand at a bound.
+        doubtful: Constants that a finding makes doubtful.
     """
 
     names: tuple[str, ...] = ()
@@ -30,6 +31,7 @@ class NonlinearParameters:
     values: FloatArray = field(default_factory=lambda: np.zeros(0))
     covariance: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     held: tuple[str, ...] = ()
+    doubtful: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         """Check sizes and forbid changes."""
@@ -48,10 +50,10 @@ class NonlinearParameters:
     @property
     def identifiability(self) -> tuple[str, ...]:
         """How well each is determined: "well", "weakly", "not" or "held"."""
-        return tuple(
-            "held" if name in self.held else identifiability_class(value, std, 0.0)
-            for name, value, std in zip(self.names, self.values, self.std, strict=True)
-        )
+        numbers = zip(self.values, self.std, strict=True)
+        pairs = zip(self.names, (identifiability_class(value, std, 0.0) for value, std in numbers), strict=True)
+        classes = ((name, "held" if name in self.held else found) for name, found in pairs)
+        return tuple("weakly" if name in self.doubtful and found == "well" else found for name, found in classes)
 
     def interval(self, dof: float) -> FloatArray:
         """95 % confidence intervals, (S, 2), of Student's t for the logarithms, as constants are positive.

@@ -141,13 +141,7 @@ class Validation(ReadOnly, Report):
         """Title, tables and number of samples."""
         samples = f"{len(self.time)} samples, both torques {self.filter}"
         tables = with_parts(HEADERS, self.rows(), [(part.source, part.rows()) for part in self.parts])
-        return [
-            f"Prediction of {self.source}",
-            *tables,
-            samples,
-            *map(str, self.findings),
-            verdict_line(self.findings),
-        ]
+        return [f"Prediction of {self.source}", *tables, samples, *map(str, self.findings), verdict_line(self.findings)]
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write joint, RMSE, NRMSE, R² and share inside the band as rows of a table.

@@ -10,6 +10,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.actuators.constants import DriveConstant
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
 from exoid.regression.rows import for_leg
@@ -40,8 +41,10 @@ def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None)
     fixed = np.array([{**knowledge.known, **held}.get(name, np.nan) for name in model.names])
     errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
     arms = {} if rows.actuators is None else arm_shapes(rows.actuators, model.leg)
+    constants: tuple[DriveConstant, ...] = getattr(rows.model, "constants", ())
+    scales = {each.name: each.joint for each in constants if each.constant.is_scale}
     assert rows.preparation is not None
-    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors, arms, told)
+    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors, arms, told, scales)
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:

@@ -16,7 +16,6 @@ from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.leg.payload import Payload
 from exoid.regression.diagnostics import WEAKLY
 from exoid.regression.parameters import PriorKnowledge
-from exoid.regression.problem import Fit
 from exoid.signals import Recording, Recordings
 
 from .drives import DriveModel
@@ -68,8 +67,15 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             data = [again(one) if isinstance(one, Recording) else one for one in group.data]
         linear = DriveModel(*given_model, model.separate, point=point.values, constants=free, actuators=found)
         problem = given.changed(data=data, model=linear, actuators=found)
-        fit = _fit(estimator, problem, names)
-        step = _Step.of(fit, point, free)
+        try:
+            fit = fit_linear(problem, estimator).fit
+        except ExoidError as error:
+            if any(name in error.what for name in names):
+                error.remedy, error.command = ADVICE, COMMAND
+            raise
+        parts = (np.split(x, [len(point.values)]) for x in (fit.solution.values, np.diag(fit.solution.covariance)))
+        (values, moved), (_, variances) = parts
+        step = _Step(point, free, values, moved, np.sqrt(variances))
         if step.is_small and not step.at_bounds:
             break
         backwards = backwards + 1 if step.backwards else 0
@@ -142,12 +148,6 @@ class _Step(NamedTuple):
     moved: FloatArray
     std: FloatArray
 
-    @classmethod
-    def of(cls, fit: Fit, point: _Point, constants: tuple[DriveConstant, ...]) -> _Step:
-        """Take a solution apart."""
-        count, std = len(point.values), np.sqrt(np.diag(fit.solution.covariance))
-        return cls(point, constants, fit.solution.values[:count], fit.solution.values[count:], std[count:])
-
     @property
     def sizes(self) -> FloatArray:
         """Constants at which the equations were linearised, (K,)."""
@@ -188,13 +188,3 @@ class _Step(NamedTuple):
         scales = [ratio for each, ratio in zip(self.constants, ratios, strict=True) if each.constant.is_scale]
         scale = float(np.exp(np.mean(np.log(scales)))) if scales else 1.0
         return _Point(self.point.values + scale * (self.values - self.point.values), found)
-
-
-def _fit(estimator: Estimator, problem: Problem, names: Sequence[str]) -> Fit:
-    """Solve a round; errors about constants say what to record."""
-    try:
-        return fit_linear(problem, estimator).fit
-    except ExoidError as error:
-        if any(name in error.what for name in names):
-            error.remedy, error.command = ADVICE, COMMAND
-        raise

@@ -166,6 +166,17 @@ def test_a_check_finds_that_nothing_is_in_newton_metres(known):
     assert (finding.kind, "weighed payload" in finding.remedy) == ("not-identifiable", True)
 
 
+@pytest.mark.parametrize("constants", [KT, (None, None)])
+def test_motors_that_are_warmer_in_the_log_of_the_payload_are_named(constants):
+    """What is 5 % moved unknown constants by 11 % in silence, and looked like another payload beside known ones."""
+    drives = {joint: Motor(kt, RATIO) for joint, kt in zip(("hip", "knee"), constants, strict=True)}
+    hot = replace(BOTH[1], current=1.05 * BOTH[1].current)
+    found = exoid.identify(LEG, [BOTH[0], hot], TERMS, actuators=drives)
+    (one,) = found.findings
+    assert (one.kind, one.joint, one.value) == ("change", "", pytest.approx(0.05, rel=0.1))
+    assert constants[0] or (found["kt_hip"].identifiability, found["X2"].identifiability) == ("weakly", "weakly")
+
+
 def test_currents_of_the_other_sign_belong_to_a_negative_ratio():
     wrong = [replace(one, current=-one.current) for one in BOTH]
     check_against(identify(LEG, wrong, TERMS, actuators=motors(ratio=-RATIO)), TRUTH, 0.02)

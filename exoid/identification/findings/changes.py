@@ -55,6 +55,8 @@ def described(change: Change, evidence: Evidence, model: TorqueModel, columns: S
         unit, what = model.units[change.column], model.names[change.column]
     else:
         kind, joint, _ = columns[change.column - count]
+        if kind == "gains":
+            return Nuisance("change", "", -1, "1", (last,), f"{change.when}, the scale of all torques")
         unit, what = ("1", "the scale of the torque") if kind == "gain" else ("rad", "the offset of the angle")
         what = f"{what} of {model.joint_names[joint]}"
     return Nuisance("change", model.joint_names[joint], joint, unit, (last,), f"{change.when}, {what}")
@@ -66,11 +68,13 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
     # recording, but what changes in the midst of one is the form of friction, which hardly moves other parameters.
     count = len(model.names)
     free = [k for k in state.evidence.free.tolist() if model.units[k] != "kg·m²"]
-    zeros, gains = ([count + k for k, one in enumerate(nuisances) if one.kind == kind] for kind in ("zero", "gain"))
+    zeros = [count + k for k, one in enumerate(nuisances) if one.kind == "zero"]
+    gains = [count + k for k, one in enumerate(nuisances) if one.kind in ("gain", "gains")]
+    carries = any(one.kind == "known" for one in nuisances)  # payloads, or measured wrenches
     offsets = {name for block in model.blocks if isinstance(block.term, Offset) for name in block.names}
     moments = {k for k in free if k < len(model.leg.parameter_names)}
     friction = {k for k in free if k not in moments and model.names[k] not in offsets}
-    found = [*_changes(state, [*free, *zeros, *gains])]
+    found = [*_changes(state, [*free, *zeros, *gains], gains if carries else ())]
     if not found:
         return None
     _, gain, best = max(found, key=lambda one: one[0])
@@ -82,8 +86,9 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
     return best._replace(sign=-1.0) if best.column in zeros else best  # what an angle reads too much
 
 
-def _changes(state: State, columns: Sequence[int]) -> Iterator[tuple[float, float, Change]]:
+def _changes(state: State, columns: Sequence[int], scales: Sequence[int]) -> Iterator[tuple[float, float, Change]]:
     """Test all changes, each beside the fitted columns: score² / variance, share that it explains, where it is much."""
+    # What carries the scale of all, such as a payload, is in few logs: there a small change moves all parameters far.
     chosen = list(dict.fromkeys((*state.columns.tolist(), *columns)))
     own = [chosen.index(k) for k in columns]
     blocks, grams = _grams(state, [*chosen, -1])
@@ -100,7 +105,8 @@ def _changes(state: State, columns: Sequence[int]) -> Iterator[tuple[float, floa
         # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
         share = inverse @ crossed
         information = size - np.sum(share * crossed, axis=0)
-        much = (information > 0.01 * size) & (score**2 > MUCH * rss * np.maximum(information, TINY))
+        least = np.where(np.isin(columns, scales) & (not place.within), 0.0, MUCH)
+        much = (information > 0.01 * size) & (score**2 > least * rss * np.maximum(information, TINY))
         for k in np.flatnonzero(much).tolist():
             # variance of the score by those of the blocks, less the change
             a, z = share[:, k], inside[:, None] * grams[:, :, own[k]]

@@ -157,7 +157,7 @@ def _finer_findings(
         fitted = fitted._replace(data=tuple(data))
         evidence = gather(fitted._replace(values=State.of(gather(fitted), ()).values))
     faults, left = find_faults(fitted, evidence)
-    finer = findings_of(model, faults)
+    finer = findings_of(fitted, faults)
     known = {(finding.kind, finding.joint) for finding in scales}
     if scales and len(model.joint_names) == 2:  # of two joints only the ratio shows, at the second
         known.add(("torque-scale", model.joint_names[1]))

@@ -46,6 +46,7 @@ class NuisanceColumns:
     model: TorqueModel  # the torque model
     columns: Sequence[Column]  # what each column is, K of them
     values: FloatArray  # parameters at which derivatives are taken, (P,)
+    carried: FloatArray  # what payloads add to those of the leg, (R,)
     rate: float  # sampling rate [Hz]
     speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
     moving: bool = True  # whether samples are a motion in time; False for poses
@@ -66,9 +67,9 @@ class NuisanceColumns:
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
         """Write the columns."""
-        rigid, count = len(self.model.leg.parameter_names), len(self.values)
-        of_leg = np.tensordot(self.values[:rigid], columns[:rigid], axes=1)
-        torque = of_leg + np.tensordot(self.values[rigid:], columns[rigid:count], axes=1)
+        of_leg = np.tensordot(self.values[: len(self.carried)] + self.carried, columns[: len(self.carried)], axes=1)
+        torque = np.tensordot(self.values, columns[: len(self.values)], axes=1)
+        torque += 0.0 if motion.payload is None else motion.payload.T
         at = _Point(self, motion, torque, of_leg)
         alike: dict[tuple[str, int], list[tuple[FloatArray, int]]] = {}
         for (kind, place, other), of_column in zip(self.columns, out, strict=True):
@@ -97,7 +98,7 @@ class _Point:
     def leg(self) -> Leg:
         """The leg with the fitted parameters."""
         leg = self.of.model.leg
-        return leg.with_parameters(self.of.values[: len(leg.parameter_names)])
+        return leg.with_parameters(self.of.values[: len(self.of.carried)] + self.of.carried)
 
     def sign(self, sharper: float = 1.0) -> FloatArray:
         """Direction of the motion of each joint, over the width of Coulomb friction, 0.05 rad/s without it, (n, N)."""
@@ -130,7 +131,7 @@ class _Point:
         count = len(leg.parameter_names)
         out = np.zeros((count, *motion.q.shape[::-1]))
         leg.fill_regressor(motion.q, motion.v, motion.a, out, motion.torso)
-        return np.asarray(np.tensordot(self.of.values[:count], out, axes=1))
+        return np.asarray(np.tensordot(self.of.values[:count] + self.of.carried, out, axes=1))
 
 
 def _earlier(at: _Point, x: FloatArray) -> FloatArray:
@@ -232,6 +233,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     "delays": lambda at, _: [_earlier(at, at.torque)],
     "drift": lambda at, _: [_earlier(at, at.torque)],  # times the time since the log began, see the rows of a check
     "gain": lambda at, _: at.torque,
+    "gains": lambda at, _: [at.torque],
     "cross-talk": lambda at, other: [at.torque[other]] * len(at.torque),
     "zero": lambda at, _: at.slopes[0],
     "scale": lambda at, _: at.by_joints(*(x.T for x in at.motion[:3])),
@@ -260,7 +262,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
 """Nuisance columns by what they are derivatives of: of every place, (N,) of one joint, or (n, N) in `OF_ALL_JOINTS`."""
 
 OF_ALL_JOINTS = (
-    *("delays", "drift", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),
+    *("delays", "gains", "drift", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),
     *("compliance", "ringing", "play", "ripple"),
 )
 """Columns that act on the torques of all joints."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -216,9 +216,12 @@ class Library(NamedTuple):
     faults: tuple[Nuisance, ...]  # those that are tested
     # columns that every test contains, so that sharp friction, or when it turns, is not taken for another fault
     always: tuple[int, ...]
+    free: tuple[int, ...]  # columns that every fit contains: scales of torques whose constants were not known
 
 
-def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, sensed: bool) -> Library:
+def library(
+    model: TorqueModel, arms: Mapping[int, ArmShapes], free: Collection[int], *, known: bool, sensed: bool
+) -> Library:
     """List the faults that are tested; of known torques, of payloads or sensors, where there are any."""
     names, planar = model.joint_names, model.leg.chain is not None
     n, unbiased = len(names), without_offset(model)
@@ -226,6 +229,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
     columns: list[Column] = []
     faults: list[Nuisance] = []
     always: list[int] = []
+    scales: list[int] = []
 
     def add(kind: str, place: int, *others: int) -> tuple[int, ...]:
         columns.extend(Column(kind, place, other) for other in others or (-1,))
@@ -234,6 +238,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
     for j, joint in enumerate(names):
         faults.append(Nuisance("torque-delay", joint, j, "s", add("delay", j)))
         gain, zero = add("gain", j), add("zero", j)
+        scales += gain if j in free else ()
         if n != 2 or j == 1:  # of two joints only the ratio shows
             faults.append(Nuisance("torque-scale", joint, j, "1", gain))
         # In a planar leg a tilt of the base changes the torque as the zero of the first angle does.
@@ -262,6 +267,7 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, add("arm", j, 0, 1), form=arms[j].what))
     if n > 1:
         faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
+        add("gains", 0)  # of all torques, which one log cannot show; it may differ between logs
     of_known = (("known-torque", "1", "known"), ("wrench-delay", "s", "known delay"))
     faults += [Nuisance(kind, "", -1, unit, add(column, 0)) for kind, unit, column in of_known[: known + sensed]]
     faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
@@ -269,4 +275,4 @@ def library(model: TorqueModel, arms: Mapping[int, ArmShapes], *, known: bool, s
         faults.append(Nuisance("gravity-direction", "", -1, "rad", (*add("gravity", 0), *add("gravity", 1))))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
-    return Library(tuple(columns), tuple(faults), tuple(always))
+    return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales))

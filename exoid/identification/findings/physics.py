@@ -85,8 +85,14 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
         odd = {"": float(np.exp(np.mean(np.log(sizes))))}
     for joint, signed in odd.items():
         finding = _other_scale(joint, abs(signed), model.names)
-        if joint and finding.severity == "warning" and _coupled_misfit(checked, joint, abs(signed)) > -np.log(1.1):
-            finding = replace(finding, severity="info")
+        if joint and finding.severity == "warning":
+            scaled = [R.copy() for R in checked.evidence.factors]
+            scaled[model.joint_names.index(joint)][:, -1] /= abs(signed)
+            both = checked.evidence, checked.evidence._replace(factors=scaled)
+            plain, other = (one.weights(one.free) for one in both)
+            # relative residuals of all joints grow, or hardly shrink: the others contradict this scale
+            if np.log(plain / other).sum() + np.log(abs(signed)) > -np.log(1.1):
+                finding = replace(finding, severity="info")
         yield finding
 
 
@@ -115,15 +121,6 @@ def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
     # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
     severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
     return Finding("torque-scale", joint, size, "1", severity, message, remedy, parameters=names)
-
-
-def _coupled_misfit(checked: CheckedFit, joint: str, scale: float) -> float:
-    """Logarithm by which relative residuals of all joints grow if the torque of one is divided by a scale."""
-    evidence, j = checked.evidence, checked.fitted.model.joint_names.index(joint)
-    scaled = [R.copy() for R in evidence.factors]
-    scaled[j][:, -1] /= scale
-    plain, other = (one.weights(one.free) for one in (evidence, evidence._replace(factors=scaled)))
-    return float(np.log(plain / other).sum() + np.log(scale))
 
 
 def impossible_leg(

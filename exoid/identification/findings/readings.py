@@ -12,7 +12,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
-from exoid.signals import Poses, Recording
 
 from .evidence import Evidence, r_factor
 from .factors import driven_joints, fit_torques, torque_factors, torque_rows
@@ -124,7 +123,10 @@ def _best_reading(
             continue
         if (reading.angles, reading.angle_order) != kinematics:  # rows of the reading before may be the same
             kinematics = reading.angles, reading.angle_order
-            factors = torque_factors(fitted, [_angles_of(reading, one) for one in fitted.data])
+            order, signs = list(reading.angle_order), np.array(reading.angles)
+            pairs = [(one, {name: getattr(one, name, None) for name in ("q", "v", "a")}) for one in fitted.data]
+            read = ((one, {name: x[:, order] * signs for name, x in of.items() if x is not None}) for one, of in pairs)
+            factors = torque_factors(fitted, [replace(one, **changed) for one, changed in read])
         if fit_torques(fitted, factors, reading.torque_order, reading.torques, rounds=1)[0].mean() > first:
             continue  # weights by its own residuals would not bring it so far
         left, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
@@ -140,11 +142,3 @@ def _best_reading(
 def _share_of_two(factors: Sequence[FloatArray]) -> float:
     """Part that two joints have in a mean over all driven ones."""
     return min(1.0, 2.0 / max(sum(driven_joints(factors)), 1))
-
-
-def _angles_of(reading: Reading, one: Recording | Poses) -> Recording | Poses:
-    """Read the angles of a recording otherwise."""
-    order, factors = list(reading.angle_order), np.array(reading.angles)
-    every = ("q",) if isinstance(one, Poses) else ("q", "v", "a")
-    changed = {name: x[:, order] * factors for name in every if (x := getattr(one, name)) is not None}
-    return replace(one, **changed)

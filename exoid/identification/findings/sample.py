@@ -40,13 +40,16 @@ class FittedLeg(NamedTuple):
     arms: Mapping[int, ArmShapes] = MappingProxyType({})
     # value and standard deviation, 0 for a known one, of parameters of which something was told beside the log
     told: Mapping[str, tuple[float, float]] = MappingProxyType({})
+    # joints of torque constants, or other constants that scale a torque, which were found beside the parameters
+    constants: Mapping[str, int] = MappingProxyType({})
 
     @property
     def library(self) -> Library:
         """Faults that are tested, and their columns."""
         recordings = [one for one in self.data if isinstance(one, Recording)]
         sensed = any(one.wrenches for one in recordings)
-        return library(self.model, self.arms, known=sensed or any(one.payloads for one in self.data), sensed=sensed)
+        known, free = sensed or any(one.payloads for one in self.data), self.constants.values()
+        return library(self.model, self.arms, free, known=known, sensed=sensed)
 
     def sampled(self) -> FittedLeg:
         """Take samples for a check, with the joints of the leg; a log much faster than its filter is averaged."""
@@ -149,9 +152,8 @@ def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:
         raise errors[0]
     used = ((one.motion, one.inside) for _, one in ready)
     ranges = reduce(MotionRanges.joined, (MotionRanges.of(x.q[k], x.v[k], x.a[k]) for x, k in used))
-    rigid = fitted.values[: len(fitted.model.leg.parameter_names)]
-    others = [AlternativeFriction(rigid, ranges.speed)] if friction else []
-    rows = [_rows(fitted, one, prepared, others) for one, prepared in ready]
+    alternatives = AlternativeFriction(fitted.values[: len(fitted.model.leg.parameter_names)], ranges.speed)
+    rows = [_rows(fitted, one, prepared, [alternatives] if friction else []) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)
     return evidence._replace(ranges=ranges, sources=[one.file_name for one, _ in ready])
@@ -162,11 +164,9 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     model, values, columns = fitted.model, fitted.values, fitted.library.columns
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
-    if one.payloads:  # a fault of the log changes the torque of payloads too
-        values = values.copy()
-        values[: len(model.leg.parameter_names)] += payload_parameters(model.leg, one.payloads)
     places = {column.kind: len(model.names) + k for k, column in enumerate(columns)}
-    nuisances = NuisanceColumns(model, columns, values, rate, speed, isinstance(one, Recording), fitted.arms)
+    carried = payload_parameters(model.leg, one.payloads)  # a fault of the log changes the torque of payloads too
+    nuisances = NuisanceColumns(model, columns, values, carried, rate, speed, isinstance(one, Recording), fitted.arms)
     every = WithColumns(model, (nuisances, *others))
     assert isinstance(prepared.motion, Motion)
     assert one.tau is not None

@@ -15,7 +15,6 @@ from exoid.estimate.finding import Finding, Severity
 from exoid.regression.least_squares import TINY, scaled_inverse
 from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.signals.cutoff import noisier
-from exoid.torques import TorqueModel
 
 from .changes import BLOCKS, Change, described, find_change, with_change
 from .evidence import Evidence, torque_shares
@@ -60,12 +59,12 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
     """Look for faults that explain residuals, the most convincing first; and the RMS residuals beside them, (n,)."""
     # Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
     # for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
-    columns, candidates, always = fitted.library
+    columns, candidates, always, free = fitted.library
     limit = 0.005 / len(candidates)  # some fault would be found in 0.5 % of the logs without any
     try:
         evidence = gather(fitted) if evidence is None else evidence
         friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
-        beside = _Beside(evidence, {}, always, friction)
+        beside = _Beside(evidence, {}, always, free, friction)
         changes: list[Change] = []
         for _ in range(6):  # at most so many faults
             state = beside.fit()
@@ -101,7 +100,7 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
         sizes = (_sized(beside, full, fault, forms) for fault in beside.faults)
         found = [fault for fault in sizes if fault is not None and _counts(fault.score, limit) and fault.matters]
         if found:  # the first is blamed for what all together move more than it does alone
-            now, before = (State.of(*fit).values for fit in ((beside.evidence, beside.staying()), (evidence, ())))
+            now, before = (State.of(*fit).values for fit in ((beside.evidence, beside.staying()), (evidence, free)))
             total, first = now - before, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
             found[0] = found[0]._replace(score=first._replace(move=move))
@@ -117,16 +116,17 @@ class _Beside(NamedTuple):
     # faults in the order in which they were found: the part that was taken out, and those that explain as much
     faults: dict[Nuisance, tuple[float, tuple[Score, ...]]]
     always: tuple[int, ...]  # columns that protect every test
+    free: tuple[int, ...]  # columns of scales that stay in every fit
     friction: tuple[int, ...]  # columns of friction of other forms
 
     def staying(self, without: Nuisance | None = None) -> list[int]:
-        """Columns of the faults that stay in the fit."""
-        return [c for one in self.faults if not one.is_corrected and one != without for c in one.columns]
+        """Columns of the faults that stay in the fit, and of scales."""
+        return [*self.free, *(c for one in self.faults if not one.is_corrected and one != without for c in one.columns)]
 
     def fit(self, tested: Nuisance | None = None, *, also: tuple[Nuisance, ...] = (), **how: State | None) -> State:
         """Fit with the columns of all faults but the tested one, those that are taken out of the recordings too."""
         others = (*(one for one in self.faults if one != tested), *also)
-        columns = dict.fromkeys((*(column for one in others for column in one.columns), *self.always))
+        columns = dict.fromkeys((*(column for one in others for column in one.columns), *self.free, *self.always))
         return State.of(self.evidence, tuple(columns), tested=None if tested is None else tested.columns, **how)
 
     def test(self, fault: Nuisance, full: State) -> tuple[Score | None, State]:
@@ -231,10 +231,11 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     """Whether a fault predicts rows left out better, by a margin where friction of other forms does."""
     evidence, count = beside.evidence, len(beside.evidence.fixed)
     own = count + np.array(fault.columns)
-    friction = np.append(evidence.free, count + np.array((*beside.always, *beside.friction), dtype=np.intp))
+    free = np.append(evidence.free, count + np.array(beside.free, dtype=np.intp))
+    friction = np.append(free, count + np.array((*beside.always, *beside.friction)))
     bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
     # Friction that was found counts no more, but beside a delay: what is left of it at reversals looks like one
-    found = evidence.free if fault.kind in ("torque-delay", "two-clocks") else plain.columns
+    found = free if fault.kind in ("torque-delay", "two-clocks") else plain.columns
     models = bare, np.append(bare, own), found, np.union1d(found, friction)
     used = np.append(np.unique(np.concatenate(models)), -1)
     blocks = np.zeros((4, len(evidence.factors), len(used), len(used)))
@@ -257,6 +258,7 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     errors = np.maximum(errors, 1e-12 * blocks[..., -1, -1].sum(axis=0) + TINY)  # smaller ones are rounding
     gain, of_friction = np.log(errors[::2] / errors[1::2]).sum(axis=1).tolist()
     eased = fault.kind == "unmodelled-friction" or (fault.kind == "torque-delay" and applied > LATE)
+    eased |= fault[:2] == ("change", "") and bool(beside.free)  # a small one moves free constants of drives far
     least = 0.0 if eased else float(np.clip(0.36 * of_friction, 0.0, 0.9))
     return bool(gain > least)
 
@@ -290,10 +292,10 @@ def delays(faults: Sequence[Fault], joints: int) -> tuple[FloatArray, FloatArray
     return total, HALF_WIDTH * np.sqrt(variance)
 
 
-def findings_of(model: TorqueModel, faults: Sequence[Fault]) -> tuple[Finding, ...]:
+def findings_of(fitted: FittedLeg, faults: Sequence[Fault]) -> tuple[Finding, ...]:
     """Describe faults that were found."""
     findings: dict[tuple[str, str], Finding] = {}
-    for one in (each for fault in faults for each in _described(model, fault)):
+    for one in (each for fault in faults for each in _described(fitted, fault)):
         first = findings.setdefault((one.kind, one.joint), one)
         if first is not one:  # another form of the same fault
             names = tuple(dict.fromkeys((*first.parameters, *one.parameters)))
@@ -301,9 +303,10 @@ def findings_of(model: TorqueModel, faults: Sequence[Fault]) -> tuple[Finding, .
     return tuple(findings.values())
 
 
-def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
+def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
     """A finding, and one for each other fault that explains the log about as well."""
-    score, joint = fault.score, fault.score.nuisance.joint
+    score, joint, model = fault.score, fault.score.nuisance.joint, fitted.model
+    bodies, all_names = len(model.leg.parameter_names), np.array(model.names)
     doubtful = np.maximum(score.moves, in_half_widths(fault.reach, score.half)) > DOUBTFUL_MOVE
     if fault.moves_far:  # too large for a linear estimate of what it moves
         acting = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
@@ -323,5 +326,8 @@ def _described(model: TorqueModel, fault: Fault) -> Iterator[Finding]:
         others = " or ".join((*names_of[:k], *names_of[k + 1 :]))
         more = f"; {others} would explain this log about as well" if others else ""
         message = f"{kind.message(what, value, one.delta)}{more}{effect if severity == 'error' else ''}"
-        names = tuple(np.array(model.names)[is_doubtful].tolist())
+        names = tuple(all_names[is_doubtful].tolist())
+        for constant, j in fitted.constants.items():  # a body that is off goes with the torque that moves it
+            of_body = model.own_parameters(j) or all_names[:bodies][model.acting[j, :bodies]].tolist()
+            names += () if set(names).isdisjoint(of_body) else (constant,)
         yield Finding(what.kind, what.joint, value, what.unit, severity, message, kind.remedy, interval, names)
