@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -15,13 +16,14 @@ from exoid.errors import ExoidError, NotIdentifiableError
 from exoid.estimate.nonlinear import NonlinearParameters
 from exoid.leg.payload import Payload
 from exoid.regression.diagnostics import WEAKLY
+from exoid.regression.least_squares import TINY, scaled_lstsq
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
 
 from .drives import DriveModel
 from .estimators import Estimator
 from .estimators.by_name import fit_linear
-from .group_rows import Data
+from .group_rows import Data, Group
 from .problem import Fitted, Problem
 from .recording_summary import RecordingSummary
 
@@ -78,13 +80,18 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
         step = _Step(point, free, values, moved, np.sqrt(variances))
         if step.is_small and not step.at_bounds:
             break
-        backwards = backwards + 1 if step.backwards else 0
+        turned = [each.name for each, ratio in zip(free, step.moved / step.sizes, strict=True) if ratio >= 1.0]
+        backwards = backwards + 1 if turned else 0
         # So often in a row the sign of a constant must be wrong to be refused
         if backwards == 3:
+            turned = _negative(group, [each for each in free if each.constant.is_scale]) or turned
+            sensed = any(one.wrenches for one in group.motions)
+            known = "sign and axes of force sensors" if sensed else "the payloads"
             raise NotIdentifiableError(
-                f"{', '.join(step.backwards)} would be negative: current and torque have opposite signs",
-                remedy="give the motor a negative ratio, or the column a negative scale, and check the payloads",
-                command="give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check --payload",
+                f"{', '.join(turned)} would be negative: current and torque have opposite signs",
+                remedy=f"give the motor a negative ratio, or the column a negative scale, and check {known}",
+                command=f"give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check {known}",
+                parameters=tuple(turned),
             )
         if step.is_small:
             held.update(step.at_bounds)
@@ -94,8 +101,8 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             what = f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings"
             remedy, command = (f"use a heavier payload or longer recordings: {each}" for each in (ADVICE, COMMAND))
             raise NotIdentifiableError(what, remedy=remedy, command=command)
-    settled = step.is_small and not step.at_bounds
-    unsettled = () if settled else (f"{', '.join(names)} have not settled in {ROUNDS} rounds",)
+    failure = f"{', '.join(names)} have not settled in {ROUNDS} rounds"
+    unsettled = () if step.is_small and not step.at_bounds else (failure,)
     nonlinear = NonlinearParameters(
         names,
         tuple(each.constant.unit for each in constants),
@@ -105,6 +112,22 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     )
     problem = problem.changed(actuators=with_constants(actuators, point.constants))
     return Fitted(problem, fit, (model,), nonlinear, (*fit.warnings, *held.values(), *unsettled))
+
+
+def _negative(group: Group, scales: Sequence[DriveConstant]) -> list[str]:
+    """Name the scales of torques that are negative in W β − g τ = −τ_payload, a fit that is linear in β and g."""
+    # Noise of the torques shrinks g, but leaves its sign.
+    tables = []
+    for rows in chain.from_iterable(group.rows_of(index) for index in range(len(group.data))):
+        known = np.zeros_like(rows.tau) if rows.known is None else rows.known
+        for j, usable in enumerate(rows.usable.T):
+            driven, torque = np.array([each.joint == j for each in scales]), (rows.tau + known)[usable, j]
+            right = (-known if driven.any() else rows.tau)[usable, j]
+            table = np.column_stack([rows.W[usable, j], np.multiply.outer(-torque, driven), right])
+            tables.append(table / max(float(np.linalg.norm(torque)), TINY))
+    whole = np.vstack(tables)
+    gains = scaled_lstsq(whole[:, :-1], whole[:, -1])[-len(scales) :]
+    return [each.name for each, gain in zip(scales, gains, strict=True) if gain < 0.0]
 
 
 def refuse_unknown_scale(
@@ -165,19 +188,11 @@ class _Step(NamedTuple):
         """Constants at a bound that would go beyond it, and what to say of them."""
         found = {}
         for each, size, moved in zip(self.constants, self.sizes.tolist(), self.moved.tolist(), strict=True):
-            beyond = {"lower": size <= each.constant.lower and moved < 0.0}
-            beyond["upper"] = size >= each.constant.upper and moved > 0.0
-            for side, is_beyond in beyond.items():
-                if is_beyond:
-                    where = f"{size:g} {each.constant.unit}".removesuffix(" 1")
-                    found[each.name] = f"{each.name} is at its {side} bound, {where}, and held there"
+            below = size <= each.constant.lower and moved < 0.0
+            if below or (size >= each.constant.upper and moved > 0.0):
+                side, where = "lower" if below else "upper", f"{size:g} {each.constant.unit}".removesuffix(" 1")
+                found[each.name] = f"{each.name} is at its {side} bound, {where}, and held there"
         return found
-
-    @property
-    def backwards(self) -> tuple[str, ...]:
-        """Constants whose sign would change."""
-        pairs = zip(self.constants, 1.0 - self.moved / self.sizes, strict=True)
-        return tuple(each.name for each, inverse in pairs if inverse <= 0.0)
 
     def take(self) -> _Point:
         """Go on to constants within their bounds."""

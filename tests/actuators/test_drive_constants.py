@@ -177,6 +177,13 @@ def test_motors_that_are_warmer_in_the_log_of_the_payload_are_named(constants):
     assert constants[0] or (found["kt_hip"].identifiability, found["X2"].identifiability) == ("weakly", "weakly")
 
 
+def test_the_motor_whose_current_has_the_other_sign_is_named():
+    """All constants of a leg turn on the way of the search where one has the wrong sign."""
+    with pytest.raises(NotIdentifiableError) as caught:
+        identify(LEG, [replace(one, current=one.current * [1.0, -1.0]) for one in BOTH], TERMS, actuators=motors())
+    assert caught.value.parameters == ("kt_knee",)
+
+
 def test_currents_of_the_other_sign_belong_to_a_negative_ratio():
     wrong = [replace(one, current=-one.current) for one in BOTH]
     check_against(identify(LEG, wrong, TERMS, actuators=motors(ratio=-RATIO)), TRUTH, 0.02)

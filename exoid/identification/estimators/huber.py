@@ -27,7 +27,10 @@ def huber(problem: RowProblem) -> Fit:
     solution, floor = wls(problem).solution, noise_floor(problem)
     scales = np.full(len(problem.r_factors), np.nan)
     for _ in range(ROUNDS):
-        scales = np.maximum(_scales(problem, solution.values), floor)
+        sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
+        for index, columns, table, _ in _tables(problem):
+            sizes[index].append(np.abs(table[-1] - solution.values[columns] @ table[:-1]))
+        scales = np.maximum(np.array([robust_std(np.hstack(size)) if size else 0.0 for size in sizes]), floor)
         r_factors = _weighted(problem, solution.values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
         before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
@@ -39,15 +42,6 @@ def huber(problem: RowProblem) -> Fit:
         inverse=bread.inverse, prior_noise=bread.prior_noise, condition_number=bread.condition_number
     )
     return Fit(solution, [1.0 / scale for scale in scales], TUNING)
-
-
-def _scales(problem: RowProblem, values: FloatArray) -> FloatArray:
-    """Robust standard deviation of the residuals of each triangle's rows [N·m]."""
-    sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
-    for index, columns, table, _ in _tables(problem):
-        sizes[index].append(np.abs(table[-1] - values[columns] @ table[:-1]))
-    every = [np.concatenate(size) for size in sizes]
-    return np.array([robust_std(size) if len(size) else 0.0 for size in every])
 
 
 def _weighted(

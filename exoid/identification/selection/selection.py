@@ -187,19 +187,14 @@ def select_terms(
             command="name the joints that were measured by --joints",
             joints=tuple(missing),
         )
-    late = _late_torques(leg, several, cutoff, beside)
+    late = {}  # delays of torques, if all are late: friction would be chosen to imitate them
+    with suppress(ExoidError):
+        # One joint that is late, or torques that are early, may be friction of another form.
+        how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
+        delays = identify(leg, several, (*terms_of(leg, None), *beside), **how).torque_delays
+        late = dict(enumerate(delays.tolist())) if (delays > 0.0).all() else {}
     search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=knowledge.known)
     report = progress or (lambda share: None)
     candidates, chosen, columns, estimate = select_by_joint(search, report)
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))
     return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)
-
-
-def _late_torques(leg: Leg, recordings: Sequence[Recording], cutoff: float, beside: Sequence[Term]) -> dict[int, float]:
-    """Delays of the torques beside the default terms [s], if all are late: friction would be chosen to imitate them."""
-    # One joint that is late, or torques that are early, may be friction of another form.
-    with suppress(ExoidError):
-        how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
-        late = identify(leg, recordings, (*terms_of(leg, None), *beside), **how).torque_delays
-        return dict(enumerate(late.tolist())) if (late > 0.0).all() else {}
-    return {}
