@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.estimate.model_error import COUNT, KINDS, ModelError
@@ -35,9 +34,11 @@ def friction_form_error(
     speed, columns = checkup.ranges.speed, np.r_[: len(fitted.values), -COUNT:0]
     rows = [one._replace(W=one.W[..., columns]) for one in checkup.moving]
     joints = [_Joint.of(rows, j, fitted.values, float(residual_rms[j])) for j in range(len(speed))]
-    G = _absorbed(joints, np.isnan(fitted.fixed))
-    size = len(joints) * COUNT
-    H, h = np.zeros((size, size)), np.zeros(size)
+    WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
+    G = np.hstack([joint.W.T @ joint.Z for joint in joints])  # alternatives that free parameters absorb, (P, n K)
+    used = np.isnan(fitted.fixed) & (np.diag(WW) > SMALLEST)
+    G[used], G[~used] = scaled_inverse(WW[np.ix_(used, used)]) @ G[used], 0.0
+    H, h = np.zeros((G.shape[1],) * 2), np.zeros(G.shape[1])
     for j, (joint, of_joint) in enumerate(zip(joints, noise, strict=True)):
         X = -joint.W @ G
         X[:, j * COUNT : (j + 1) * COUNT] += joint.Z
@@ -72,16 +73,6 @@ class _Joint(NamedTuple):
         scale = np.sqrt((Z**2).sum(axis=0) / max(len(Z), 1))
         unit = np.divide(size, scale, out=np.zeros(len(scale)), where=scale > SMALLEST)
         return _Joint(weight * W, weight * Z, weight * (tau - W @ values), unit)
-
-
-def _absorbed(joints: Sequence[_Joint], free: NDArray[np.bool_]) -> FloatArray:
-    """Regress the alternatives on the parameters that are free, (P, n K)."""
-    WW = np.asarray(sum(joint.W.T @ joint.W for joint in joints))
-    WZ = np.hstack([joint.W.T @ joint.Z for joint in joints])
-    used = free & (np.diag(WW) > SMALLEST)
-    G = np.zeros_like(WZ)
-    G[used] = scaled_inverse(WW[np.ix_(used, used)]) @ WZ[used]
-    return G
 
 
 def _average(H: FloatArray, h: FloatArray, unit: FloatArray, joints: int) -> FloatArray:

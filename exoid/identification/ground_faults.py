@@ -8,7 +8,9 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
@@ -23,7 +25,7 @@ from .findings.kinds import KINDS, Nuisance, without_offset
 from .findings.score import in_half_widths
 from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .footing import Footing, footing_effects
-from .problem import Fitted
+from .problem import Fitted, Problem
 from .row_changes import Effects, best_reading, changed, equations, residual
 
 SIZES = {
@@ -32,13 +34,15 @@ SIZES = {
     "unmodelled-force": (1.0, 100.0, "N·m/rad", 4.0),
     "torque-offset": (1.0, 100.0, "N·m", 3.0),
     "known-torque": (0.02, 10.0, "1", 4.0),
+    "wrench-delay": (2e-3, 0.1, "s", 4.0),
+    "gravity-direction": (np.deg2rad(0.5), 0.1, "rad", 4.0),
 }
 """Step at which effects are computed, standard deviation before any log is seen, and unit of the size s of each kind,
 and how many standard deviations of correlated noise it is from zero at least. Healthy walkers (seeds 20 to 34, with and
 without IMU) reach 3.1, constant torques 1.7.
 
 Without the fault the torque is τ (1 + s), the angle q − s, or the torque τ − s q or τ − s, in the joint's direction;
-or measured wrenches are 1 + s times as large.
+or measured wrenches are 1 + s times as large, or read s later, or gravity is turned about a level axis by s.
 """
 
 GAIN, ALIKE, UNLIKE = 0.02, 0.8, 0.25
@@ -63,9 +67,10 @@ def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
             tables.append(table)
             of_rows.extend(group.model.row_names)
     remedy = "look for a load (payloads=), a contact, a sign, a unit or a clock that differs in this log"
+    every = range(len(fitted.problem.groups))
     for name, described, tables, of_rows in logs.values():
         table = np.hstack(tables)
-        if scaled and (scale := other_scale(table[:3])) != 1.0:
+        if scaled and (scale := other_scale(table[:3])) != 1.0 and best_reading(fitted.problem, every) is None:
             text = f"all torques of {described} are {scale:.2g} times what the other logs say"
             yield Finding("torque-scale", "", scale, "1", "error", text, remedy, None, fitted.problem.names, name)
         shares = np.sqrt(table[2] / (np.maximum(table[3], 1.0) * [most[row] or np.inf for row in of_rows]))
@@ -77,7 +82,7 @@ def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
 
 def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     """Find the fault of a joint, or of all wrenches, that explains most, and those that explain about as much."""
-    names, count = fitted.models[0].joint_names, len(fitted.problem.names)
+    names, leg, count = fitted.models[0].joint_names, fitted.models[0].leg, len(fitted.problem.names)
     if any(model.joint_names != names for model in fitted.models):
         return
     passive = {name for one in fitted.problem.motions for name in one.passive}  # their torque is no measurement
@@ -85,14 +90,15 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     unbiased = [joint for joint in without_offset(fitted.models[0]) if joint in joints]
     sensed = any(_loaded(one) for one in fitted.problem.motions)
     acts_on = {"angle-offset": range(len(names)), "torque-offset": unbiased, "known-torque": [-1] * sensed}
+    leans = [-2, -3] if leg.base == "fixed" and not leg.limbs else []  # about one level axis or the other
+    acts_on |= {"wrench-delay": [-1] * sensed, "gravity-direction": leans}
     faults = [(kind, joint) for kind in SIZES for joint in acts_on.get(kind, joints)]
     found = equations(fitted, _effects(fitted, footing, faults))
     # Each is tried alone, beside the numbers of the footing: a lean of the ground may imitate a zero
     beside = np.flatnonzero(found.free[: -len(faults)])
     plain = scaled_inverse(found.information[np.ix_(beside, beside)]) @ found.right[beside]
     gains, values, stds = np.zeros((3, len(faults)))
-    moves = np.zeros((len(faults), count))
-    own = beside[beside < count]
+    moves, own = np.zeros((len(faults), count)), beside[beside < count]
     for k in range(len(faults)):
         tested = np.append(beside, len(found.free) - len(faults) + k)
         inverse = scaled_inverse(found.information[np.ix_(tested, tested)])
@@ -105,12 +111,11 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     flipped = faults[best][0] == "torque-scale" and values[best] < -1.5  # a sign: readings of the torques tell
     if gains[best] < GAIN * found.squares or abs(values[best]) < SIZES[faults[best][0]][3] * stds[best] or flipped:
         return
-    every = range(len(fitted.problem.groups))
-    mended = changed(fitted.problem, every, partial(_without, footing, *faults[best], values[best]))
+    every, mended = range(len(fitted.problem.groups)), _mended(fitted.problem, footing, *faults[best], values[best])
     if best_reading(fitted.problem, every, mended) is not None:  # torques of other signs, or in another order
         return
     half = 2.0 * np.sqrt(np.diag(fitted.fit.solution.covariance))
-    labels = (*names, "")
+    labels = (*names, *[""] * 3)
     alike = [k for k in np.argsort(-gains).tolist() if gains[k] > ALIKE * gains[best]]
     for k in alike:
         (kind, joint), (_, _, unit, _), told = faults[k], SIZES[faults[k][0]], KINDS[faults[k][0]]
@@ -138,8 +143,7 @@ def _loaded(one: Recording) -> dict[str, Wrench]:
 
 def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, int]]) -> Effects:
     """Take a small fault out of all recordings, each behind the numbers of a footing."""
-    every = range(len(fitted.problem.groups))
-    others = [changed(fitted.problem, every, partial(_without, footing, *one, SIZES[one[0]][0])) for one in faults]
+    others = [_mended(fitted.problem, footing, *one, SIZES[one[0]][0]) for one in faults]
     steps, stds = np.array([SIZES[kind][:2] for kind, _ in faults]).T
     scales = [k for k, (kind, _) in enumerate(faults) if kind == "torque-scale"]
     if footing is None:
@@ -156,14 +160,29 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
     return Effects([*about.others, *others], steps, stds, means, of_rows, [len(about.others) + k for k in scales])
 
 
+def _mended(problem: Problem, footing: Footing | None, kind: str, joint: int, size: float) -> Problem:
+    """Take a fault of a size out of all recordings, or a lean of a fixed base out of the model."""
+    if kind != "gravity-direction":
+        return changed(problem, range(len(problem.groups)), partial(_without, footing, kind, joint, size))
+    groups = []
+    for group in problem.groups:
+        leg, model = group.model.leg, group.model.leg.model.copy()
+        model.gravity.linear = pin.exp3(size * leg.plane[joint]) @ model.gravity.linear
+        groups.append(replace(group, model=replace(group.model, leg=replace(leg, model=model))))
+    return replace(problem, groups=tuple(groups))
+
+
 def _without(
     footing: Footing | None, kind: str, joint: int, size: float, model: TorqueModel, one: Recording
 ) -> Recording:
     """Take a fault of a size out of a recording."""
-    if kind == "known-torque":
-        factor, each = 1.0 + size, _loaded(one).items()
-        larger = {link: replace(x, force=factor * x.force, moment=factor * x.moment) for link, x in each}
-        return replace(one, wrenches={**one.wrenches, **larger})
+    if kind in ("known-torque", "wrench-delay"):
+        at = np.clip(one.time + size * (kind == "wrench-delay"), one.time[0], one.time[-1])
+        read, wrenches = partial(CubicSpline, one.time), dict(one.wrenches)
+        factor = 1.0 + size * (kind == "known-torque")
+        for link, x in _loaded(one).items():
+            wrenches[link] = replace(x, force=factor * read(x.force)(at), moment=factor * read(x.moment)(at))
+        return replace(one, wrenches=wrenches)
     own = size * (np.arange(len(model.joint_names)) == joint)
     if kind != "angle-offset":
         if one.tau is None:

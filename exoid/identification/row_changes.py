@@ -83,6 +83,8 @@ class Equations(NamedTuple):
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
     problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
+    if any(one.kind in ("wrench-delay", "known-torque") for one in fitted.findings):  # torques look early beside them
+        return np.zeros(len(joints)), np.zeros(len(joints))
 
     def shifted(delays: Mapping[int, float]) -> Problem:
         return changed(problem, parts, lambda _, one: without_torque_delay(one, delays))
@@ -214,8 +216,7 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     """Try other signs and orders of the torques of some groups where the fit is poor; else look for delays."""
     model = fitted.problem.groups[parts[0]].model
     # beside the fault of a single joint, which another sign may look like, signs were tried
-    faults = "torque-scale", "angle-offset", "unmodelled-force", "torque-offset", "known-torque"
-    named = any(one.kind in faults for one in fitted.findings)
+    named = any(one.kind in KINDS for one in fitted.findings)
     best = None if named else best_reading(fitted.problem, parts)
     if best is not None:
         text = f"{best.message}: the log fits by far better; interchanged feet, or angles, may look alike"

@@ -111,8 +111,8 @@ KINDS = {
         float(np.deg2rad(0.2)),
         "gravity is turned by {degrees:.3g}° against the model: the base is tilted, or the zero of the first angle is "
         "wrong",
-        "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...)); calibrate the accelerometer of a "
-        "moving base",
+        "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...)); correct the lean of a rail in the "
+        "URDF; calibrate the accelerometer of a moving base",
         most=0.5,
     ),
     "segment-length": Kind(

@@ -16,7 +16,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical
 from exoid.leg.lift.lift import nearest_within
 from exoid.leg.lift.pseudo_inertia import margins
-from exoid.regression.least_squares import RFactor, scaled_lstsq
+from exoid.regression.least_squares import RANK, TINY, RFactor, scaled_lstsq, scaled_pinv
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence, torque_shares
@@ -142,8 +142,15 @@ def impossible_leg(
         links = leg.reduction.adjust(leg.link_parameters, bodies)
         if apart < IMPOSSIBLE and (margins(links) > 0.0).all():  # the leg's own links, changed a little, have them
             return
+        # Blocks of a log set each variance, which spoils the correlations of a closed machine: those of its rows hold
+        free = np.diag(covariance) > 0.0
+        tables = [np.column_stack([R[:, : len(free)], R[:, -1]]) for R in factors]
+        W = np.vstack([R[:, :-1] * free / (np.linalg.norm(R @ np.append(values, -1.0)) + TINY) for R in tables])
+        spread = scaled_pinv(np.vstack([W, RANK * np.diag(np.linalg.norm(W, axis=0))]))
+        spread *= np.sqrt((np.diag(covariance)[free] / (spread[free] ** 2).sum(axis=1)).max())
+        errors = errors if leg.closure is None else (spread @ spread.T)[:rigid, :rigid]
         nearest, distance = nearest_within(leg, bodies, errors, IMPOSSIBLE)
-        change = torque_shares(factors, np.arange(rigid), np.diag(bodies - nearest)).max()
+        change = torque_shares(tables, np.arange(rigid), np.diag(bodies - nearest)).max()
         if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
             return
         apart = max(apart, distance)
@@ -156,7 +163,8 @@ def impossible_leg(
         "deviations away"
     )
     remedy = (
-        "look for a wrong sign, unit, length, payload or contact; rotors and springs that the model lacks also do this"
+        "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs that the "
+        "model lacks also do this"
     )
     # but they make no mass negative: of a machine on a floating base, or of all links behind a prismatic joint
     K, of_masses = leg.reduction.collect, np.arange(leg.reduction.collect.shape[1]) % 10 == 0

@@ -35,11 +35,6 @@ class Column(NamedTuple):
     smoothing: float = USUAL.smoothing  # velocity over which dry friction without presliding changes sign [rad/s]
 
     @property
-    def describes_reversals(self) -> bool:
-        """Whether Stribeck friction is so slow that it describes smoothing, or reversals that the fit leaves out."""
-        return 0.0 < self.velocity <= (VELOCITIES[0] if self.length else 1.3 * USUAL.reversal_speed)
-
-    @property
     def term(self) -> Term:
         """Term that has the coefficient."""
         if self.symbol in {"d", "offset"}:

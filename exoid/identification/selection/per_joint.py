@@ -15,11 +15,12 @@ from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
 from exoid.torques import Armature, Term
+from exoid.torques.catalog import USUAL
 
 from .design import Design, form_design
 from .held_out import Fold, blocked_folds, fast_blocks, fold_of, rms
 from .normal_equations import Active, NormalEquations, residuals
-from .patterns import ALWAYS, LOAD, PLAIN, Columns, Grid, Pattern, patterns
+from .patterns import ALWAYS, LOAD, PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
 
 
 @dataclass(frozen=True)
@@ -165,7 +166,9 @@ def choose(
         sure = (variance <= (0.3 * c) ** 2 * design.independent_fraction) | always
         good = pattern.dissipative(c) & sure.all(axis=1)
         best = int(np.argmax(np.where(good, explained, -np.inf)))
-        if not good.any() or any(column.describes_reversals for column in settings[best]):
+        # Stribeck friction that is so slow describes smoothing, or reversals that the fit leaves out
+        slow = ((one.velocity, VELOCITIES[0] if one.length else 1.3 * USUAL.reversal_speed) for one in settings[best])
+        if not good.any() or any(0.0 < velocity <= least for velocity, least in slow):
             continue
         gain = float(explained[best])
         if any(other >= gain for simpler, other in gains.items() if simpler.within(pattern)):

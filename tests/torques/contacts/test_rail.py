@@ -155,6 +155,26 @@ def test_mistakes_beside_a_rail_are_named(kind, make, says):
     assert says in str(refused.value)
 
 
+def mistaken(kind, leg, one):
+    model, later, wrench = leg.model.copy(), round(0.02 * one.sample_rate), one.wrenches.get("foot")
+    if kind == "wrench-delay":
+        one = replace(one, wrenches={"foot": replace(wrench, force=np.roll(wrench.force, later, axis=0))})
+    elif kind == "joint-order":
+        one = replace(one, tau=one.tau[:, [0, 2, 1]])
+    else:
+        model.gravity.linear = pin.exp3(np.deg2rad(5.0) * leg.plane.lateral) @ model.gravity.linear
+    return replace(leg, model=model), one
+
+
+@pytest.mark.parametrize("kind", ["wrench-delay", "joint-order", "gravity-direction"])
+def test_a_mistake_of_a_hopper_on_the_ground_is_named(kind):
+    logs = [log(each, plate=kind == "wrench-delay") for each in ("jump", "press")]
+    leg, logs = zip(*(mistaken(kind, hopper()[1], one) for one in logs), strict=True)
+    found = {one.kind for one in exoid.identify(leg[0], logs, study.TERMS, cutoff=15.0).findings}
+    assert kind in found
+    assert "torque-delay" not in found
+
+
 def test_a_measured_force_has_the_axes_of_the_laboratory_as_a_predicted_one():
     leg, pressed = hopper()[1], log("press", plate=True, seconds=SHORT)
     true = run("press", SHORT).force[np.searchsorted(run("press", SHORT).time, pressed.time)]
