@@ -253,6 +253,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     "force²": lambda at, _: at.motion.q.T**2,
     "sharpness": lambda at, _: at.sign(sharper=4.0),
     "reversals": lambda at, _: _earlier(at, at.sign()),  # a joint that stuck, or presliding, turns at another time
+    "turning": lambda at, _: _earlier(at, _earlier(at, at.sign())),  # how long such a turn takes
     "friction |v|": lambda at, _: np.abs(at.motion.v.T),
     "friction v²": lambda at, _: at.motion.v.T * np.abs(at.motion.v.T),
     # falls off at a quarter of the RMS speed

@@ -24,6 +24,7 @@ class Nuisance(NamedTuple):
     columns: tuple[int, ...]  # indices of its columns, with a coefficient each
     form: str = ""  # form of the fault, such as "Stribeck friction"; "" for any
     most: float = np.inf  # size up to which its columns, of first order, describe it
+    beside: tuple[int, ...] = ()  # columns that protect its own test
 
     @property
     def is_corrected(self) -> bool:
@@ -236,7 +237,8 @@ def library(
         return tuple(range(len(columns) - len(others or (-1,)), len(columns)))
 
     for j, joint in enumerate(names):
-        faults.append(Nuisance("torque-delay", joint, j, "s", add("delay", j)))
+        # A robot that replays one stride turns alike each time: its friction would look like one of 50 ms.
+        faults.append(Nuisance("torque-delay", joint, j, "s", add("delay", j), beside=add("turning", j)))
         gain, zero = add("gain", j), add("zero", j)
         scales += gain if j in free else ()
         if n != 2 or j == 1:  # of two joints only the ratio shows
@@ -253,20 +255,19 @@ def library(
         if j in unbiased:
             faults.append(Nuisance("torque-offset", joint, j, "N·m", add("constant", j)))
         if few and n > 1:
-            mixed = add("cross-talk", j, *(k for k in range(n) if k != j))
-            faults.append(Nuisance("cross-talk", joint, j, "1", mixed))
+            faults.append(Nuisance("cross-talk", joint, j, "1", add("cross-talk", j, *(k for k in range(n) if k != j))))
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j), most=0.05))
         for k, often in ((4, "four times"), (8, "eight times")):
             waves = add("ripple", j, 2 * k, 2 * k + 1)
             faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))
-        for kind in ("compliance", "ringing"):
-            faults.append(Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)))
+        faults += [Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)) for kind in ("compliance", "ringing")]
         if j in arms:
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, add("arm", j, 0, 1), form=arms[j].what))
     if n > 1:
-        faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0)))
+        turning = tuple(k for k, one in enumerate(columns) if one.kind == "turning")
+        faults.insert(0, Nuisance("torque-delay", "", -1, "s", add("delays", 0), beside=turning))
         add("gains", 0)  # of all torques, which one log cannot show; it may differ between logs
     of_known = (("known-torque", "1", "known"), ("wrench-delay", "s", "known delay"))
     faults += [Nuisance(kind, "", -1, unit, add(column, 0)) for kind, unit, column in of_known[: known + sensed]]

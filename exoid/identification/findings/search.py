@@ -126,8 +126,9 @@ class _Beside(NamedTuple):
     def fit(self, tested: Nuisance | None = None, *, also: tuple[Nuisance, ...] = (), **how: State | None) -> State:
         """Fit with the columns of all faults but the tested one, those that are taken out of the recordings too."""
         others = (*(one for one in self.faults if one != tested), *also)
-        columns = dict.fromkeys((*(column for one in others for column in one.columns), *self.free, *self.always))
-        return State.of(self.evidence, tuple(columns), tested=None if tested is None else tested.columns, **how)
+        columns = (*(column for one in others for column in one.columns), *self.free, *self.always)
+        columns = tuple(dict.fromkeys((*columns, *(tested.beside if tested else ()))))
+        return State.of(self.evidence, columns, tested=None if tested is None else tested.columns, **how)
 
     def test(self, fault: Nuisance, full: State) -> tuple[Score | None, State]:
         """Test a fault with the noise that a fit with it leaves: with the fault, residuals would look coloured."""
@@ -189,7 +190,7 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
         most = max((one.evidence for one in likely), default=-np.inf)
         if most > max(1.5 * score.evidence, score.evidence + UNDECIDED) and not (_is_late(score) or _is_scaled(score)):
             continue  # a second test with other noise would not bring it to the best
-        fault, once_more = score.nuisance, score.gain > LARGE_GAIN or _is_late(score)
+        fault, once_more = score.nuisance, score.gain > LARGE_GAIN or bool(score.nuisance.beside)
         again = beside.test(fault, beside.fit(fault, also=(fault,), near=state))[0] if once_more else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
             columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
@@ -232,7 +233,7 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     evidence, count = beside.evidence, len(beside.evidence.fixed)
     own = count + np.array(fault.columns)
     free = np.append(evidence.free, count + np.array(beside.free, dtype=np.intp))
-    friction = np.append(free, count + np.array((*beside.always, *beside.friction)))
+    friction = np.append(free, count + np.array((*beside.always, *fault.beside, *beside.friction)))
     bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
     # Friction that was found counts no more, but beside a delay: what is left of it at reversals looks like one
     found = free if fault.kind in ("torque-delay", "two-clocks") else plain.columns
