@@ -35,8 +35,8 @@ LARGEST_ANGLE = 2.0 * math.pi
 FARTHEST = 5.0
 """Largest distance of a point from its joint or link [m]; larger ones are mm."""
 
-UNBOUNDED = ("limit",)
-"""Elements whose numbers may be larger, because they mean that there is no limit."""
+LARGEST = {"limit": math.inf, "origin": 100.0, "inertia": 1e5}
+"""Other limits of elements: large joint limits mean none, farther places are in mm, larger inertias in g·mm²."""
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 """A decimal number. Each text matches in one way only, so that long ones take no longer than they are."""
@@ -220,11 +220,11 @@ def check_numbers(
                         where=_place(element, name),
                         remedy="write decimal numbers, separated by spaces",
                     )
-                if element.tag not in UNBOUNDED and max(abs(float(word)) for word in words) > LARGEST_NUMBER:
+                if max(abs(float(word)) for word in words) > (limit := LARGEST.get(element.tag, LARGEST_NUMBER)):
                     raise UnreadableInputError(
-                        f"{said} is not plausible (limit {LARGEST_NUMBER:.0e}, SI)",
+                        f"{said} is not plausible (limit {limit:g}, SI)",
                         where=_place(element, name),
-                        remedy="correct the number",
+                        remedy="write lengths in m, angles in rad, masses in kg, inertias in kg·m²",
                     )
 
 

@@ -56,6 +56,7 @@ BROKEN = [  # the evidence, and the URDF
     *(("'thigh'", replaced(piece, "")) for piece in ('<mass value="2"/>', ' value="2"', ' izz="0.01"', INERTIA)),
     *(("'hip'", replaced('<axis xyz="0 -1 0"/>', f'<axis xyz="{axis}"/>')) for axis in ("0 0 0", "0 1e-200 0")),
     ("1e200", replaced('xyz="0 0 -0.2"', 'xyz="1e200 0 0"')),
+    *(("lengths in m", replaced(f'"{x}"', f'"{y}"')) for x, y in (("0 0 -0.4", "0 0 -400"), ("0.02", "2e7"))),
     *(("'thigh'", replaced('<mass value="2"/>', f'<mass value="{mass}"/>')) for mass in ("0", "-1", "0.0e5")),
     *(("'thigh'", replaced(*pair)) for pair in (('iyy="0.02"', 'iyy="-0.02"'), ('ixy="0"', 'ixy="0.05"'))),
     ("'shank'", URDF.replace(f'<link name="shank">{BODY}</link>', '<link name="shank"/>')),
