@@ -139,8 +139,7 @@ def without_late_velocities(group: Group) -> Group:
     for k, one in enumerate(data):
         if isinstance(one, Recording):
             data[k], found = without_late_velocity(one)
-            name = one.file_name if len(data) > 1 else ""
-            findings += [replace(each, recording=name) for each in found]
+            findings += [replace(each, recording=one.file_name if len(data) > 1 else "") for each in found]
     return replace(group, data=tuple(data), findings=tuple(findings))
 
 

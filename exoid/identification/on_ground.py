@@ -187,8 +187,7 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
             f"the motion of the base follows from {link}, which tilts by {c:.2g} ± {half:.2g} rad/(N·m) "
             "under the torque of its joint; this was taken into account, and its error is part of all intervals"
         )
-        interval = (c - half, c + half)
-        findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, interval))
+        findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, (c - half, c + half)))
     names = fitted.models[0].leg.parameter_names
     if footing.knots:
         places = np.hstack([[*footing.pivots.values()] * np.array([1, -1]), halves[footing.part(PIVOT)].reshape(-1, 2)])

@@ -116,8 +116,7 @@ class System(NamedTuple):
         self, state: MotionState, levels: Levels, reduced: Sequence[ReducedSystem], step: FloatArray
     ) -> tuple[MotionState, bool]:
         """Go as far along the Gauss–Newton step as the sum of squares falls, and say whether that is all of it."""
-        n = len(levels.angle)
-        turns = [(part.free - part.coupling @ step).reshape(-1, n) for part in reduced]
+        turns = [(part.free - part.coupling @ step).reshape(-1, len(levels.angle)) for part in reduced]
         before, share = self.squares(state, levels), 1.0
         for _ in range(HALVINGS):
             there = MotionState(

@@ -215,8 +215,7 @@ def _behind(at: _Point, lag: FloatArray) -> FloatArray:
     """Change of the torque where links are behind their encoders by angles (n, N), and their motion by derivatives."""
     if not at.of.moving:
         return -at.by_joints(lag)
-    width = FOLLOWED * at.of.rate
-    twist = (scipy.ndimage.gaussian_filter1d(lag, width, order=k) * at.of.rate**k for k in range(3))
+    twist = (scipy.ndimage.gaussian_filter1d(lag, FOLLOWED * at.of.rate, order=k) * at.of.rate**k for k in range(3))
     return -at.by_joints(*twist)
 
 

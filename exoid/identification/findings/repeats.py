@@ -46,8 +46,7 @@ def _without_copies(group: Group) -> Group:
         rest = replace(data, items=tuple(data.items[k] for k in kept))
     else:
         rest = [data[k] for k in kept]
-    every = (*group.findings, *findings)
-    return replace(group, data=rest, summaries=[summaries[k] for k in kept], findings=every)
+    return replace(group, data=rest, summaries=[summaries[k] for k in kept], findings=(*group.findings, *findings))
 
 
 def _without_overlaps(group: Group) -> Group:

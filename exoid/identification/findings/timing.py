@@ -16,6 +16,8 @@ from exoid.signals.cutoff import robust_std, white_noise
 from .channels import quantum
 
 WINDOW = 4  # samples on each side of an interval, through which lines are laid
+APART = 5.0  # times the way of a fast joint in a sample: rows of other times jump by more, in two joints or all
+SPLIT = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
 
 
 def wraps(recording: Recording) -> Iterator[Finding]:
@@ -79,6 +81,12 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     jump = levels[:, WINDOW:] - levels[:, :-WINDOW] - 0.5 * WINDOW * (ahead + behind)
     velocity = 0.5 * (ahead + behind) * rate
     steps = np.diff(q, axis=1)
+    # Where a leg turns back or meets the ground, angles jump by at most twice what their velocities change in a sample
+    usual = np.maximum(np.sqrt(np.mean((ahead - behind) ** 2, axis=1, keepdims=True)), 1e-300)
+    beyond = np.max(np.abs(jump) / usual, axis=0) > 2.0 * np.max(np.abs(ahead - behind) / usual, axis=0)
+    beyond &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
+    seams = np.abs(jump) * beyond
+    seams *= (seams > APART * np.quantile(np.abs(slopes), 0.99, axis=1, keepdims=True)).sum(axis=0) > 1
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
     rests, count = steps == 0.0, len(recording) - WINDOW + 1
     still = np.logical_and.reduce([rests[:, k : k + count] for k in range(WINDOW - 1)])
@@ -93,15 +101,13 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     size = gap * np.sqrt(information)
     # 9 standard deviations, and most of an interval, and 5 ms: stamps of real logs jitter
     odd: BoolArray = (size > 9.0) & (gap > max(0.7 / rate, 5e-3))
-    if not odd.any():
-        return
-    odd &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
-    odd &= weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2
-    # Where a leg turns back or meets the ground, angles jump by at most twice what their velocities change in a sample
-    usual = np.maximum(np.sqrt(np.mean((ahead - behind) ** 2, axis=1, keepdims=True)), 1e-300)
-    odd &= np.max(np.abs(jump) / usual, axis=0) > 2.0 * np.max(np.abs(ahead - behind) / usual, axis=0)
+    odd &= beyond & (weight @ (jump - gap * velocity) ** 2 < 0.3 * size**2)
     peaks, _ = scipy.signal.find_peaks(np.pad(size * odd, 1), distance=2 * WINDOW + 1)  # of each group of neighbours
     if not len(peaks):
+        if seams.any():
+            most, when = float(seams.max()), recording.time[int(seams.max(axis=0).argmax()) + WINDOW]
+            message = f"at {when:.3f} s angles jump at once, by up to {most:.3g} rad: rows are lost, or runs joined"
+            yield Finding("missing-samples", "", most, "rad", "error", message, SPLIT)
         return
     places = (peaks - 1).tolist()
     worst = max(places, key=lambda k: gap[k])
@@ -111,9 +117,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
         f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at "
         f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
     )
-    remedy = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
     interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
-    yield Finding("missing-samples", "", lost, "s", "warning", message, remedy, interval)
+    yield Finding("missing-samples", "", lost, "s", "warning", message, SPLIT, interval)
 
 
 def stamp_jitter(recording: Recording) -> Iterator[Finding]:

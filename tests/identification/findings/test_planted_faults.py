@@ -46,10 +46,10 @@ def scaled(factor):
     return lambda log: dataclasses.replace(log, tau=factor * log.tau)
 
 
-def without_four_samples(log):
+def without_samples(log, count=4):
     """Leave out samples of fast motion behind new stamps."""
     fast = int(np.argmax(np.abs(np.gradient(log.q, axis=0)).sum(axis=1)[500:2000])) + 500
-    keep = np.delete(np.arange(len(log)), np.s_[fast : fast + 4])
+    keep = np.delete(np.arange(len(log)), np.s_[fast : fast + count])
     return dataclasses.replace(log, time=log.time[: len(keep)], q=log.q[keep], tau=log.tau[keep])
 
 
@@ -98,7 +98,8 @@ FEW, FEWER = (np.random.default_rng(1).random(3000) < share for share in (0.02, 
 FAULTS = {
     "frozen torque": Fault(column("tau", 1, frozen(1000, 300)), "stuck-channel", 1, about(3.0, 0.03), "12.137 s"),
     "frozen angle": Fault(column("q", 1, frozen(620, 200)), "stuck-channel", 1, None, "angle"),
-    "samples missing": Fault(without_four_samples, "missing-samples", None, about(0.04, 0.004)),
+    "samples missing": Fault(without_samples, "missing-samples", None, about(0.04, 0.004)),
+    "two runs joined": Fault(lambda log: without_samples(log, 100), "missing-samples", None, None, "at once"),
     "dropouts": Fault(column("tau", 0, lambda x: np.where(FEW, 0.0, x)), "dropout", 0, about(FEW.mean(), 0.005)),
     "a slower bus": Fault(
         column("tau", 2, lambda x: x[np.arange(len(x)) // 4 * 4]), "stale-samples", 2, about(0.75, 0.01)
