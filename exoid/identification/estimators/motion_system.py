@@ -228,8 +228,7 @@ def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> tuple[Flo
                 moved[kind][:, joint] += by
                 q, v, a = moved
                 sides.append(torque(model.columns(Motion(q, v, a, motion.torso)), values))
-            difference = sides[0] - sides[1]
-            to_motion[kind, :, :, joint] = difference / (2.0 * step)
+            to_motion[kind, :, :, joint] = (sides[0] - sides[1]) / (2.0 * step)
     return model.columns(motion).transpose(2, 1, 0), to_motion
 
 

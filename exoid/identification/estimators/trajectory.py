@@ -32,8 +32,7 @@ class Trajectory(NamedTuple):
         intervals = max(1, int(np.ceil(span / spacing - 1e-9)))
         place = (time - time[0]) * (intervals / span)
         interval = np.minimum(place.astype(np.intp), intervals - 1)
-        u = place - interval
-        basis = np.array([pieces(u) * (intervals / span) ** k for k, pieces in enumerate(_pieces())])
+        basis = np.array([pieces(place - interval) * (intervals / span) ** k for k, pieces in enumerate(_pieces())])
         return cls(basis, interval, _members(interval, intervals), intervals + DEGREE)
 
     def through(self, q: FloatArray) -> FloatArray:

@@ -111,5 +111,4 @@ def _residuals(blocks: Blocks, fitted: Design, compared: Design) -> tuple[FloatA
         scale = rms(residuals(fitted, active, base, friction)[:, used], fitted.moves[:, used])
         weights = used / np.maximum(scale, 1e-9 * scale.max() + 1e-300)[:, None] ** 2
     base, friction = NormalEquations.of(fitted, weights).solve(active)
-    left = residuals(compared, active, base, friction)
-    return left[:, tested], compared.tau[:, tested], compared.moves[:, tested]
+    return residuals(compared, active, base, friction)[:, tested], compared.tau[:, tested], compared.moves[:, tested]
