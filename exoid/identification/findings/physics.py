@@ -135,20 +135,20 @@ def impossible_leg(
     try:
         apart = 0.0  # standard deviations by which the centre of mass of a segment is on the wrong side of its joint
         for start in range(rigid - 3 * len(leg.joint_names), rigid, 3) if leg.limbs else ():
-            place = slice(start, start + 2)
-            direction = leg.parameters[place]
+            place, direction = slice(start, start + 2), leg.parameters[start : start + 2]
             std = float(np.sqrt(direction @ errors[place, place] @ direction))
             apart = max(apart, -float(direction @ bodies[place]) / std if std > 0.0 else 0.0)
         links = leg.reduction.adjust(leg.link_parameters, bodies)
         if apart < IMPOSSIBLE and (margins(links) > 0.0).all():  # the leg's own links, changed a little, have them
             return
-        # Blocks of a log set each variance, which spoils the correlations of a closed machine: those of its rows hold
-        free = np.diag(covariance) > 0.0
-        tables = [np.column_stack([R[:, : len(free)], R[:, -1]]) for R in factors]
-        W = np.vstack([R[:, :-1] * free / (np.linalg.norm(R @ np.append(values, -1.0)) + TINY) for R in tables])
-        spread = scaled_pinv(np.vstack([W, RANK * np.diag(np.linalg.norm(W, axis=0))]))
-        spread *= np.sqrt((np.diag(covariance)[free] / (spread[free] ** 2).sum(axis=1)).max())
-        errors = errors if leg.closure is None else (spread @ spread.T)[:rigid, :rigid]
+        tables = [np.column_stack([R[:, : len(covariance)], R[:, -1]]) for R in factors]
+        if leg.closure is not None:
+            # Blocks of a log set each variance, which spoils correlations that are nearly 1: those of its rows hold
+            free = np.diag(covariance) > 0.0
+            W = np.vstack([R[:, :-1] * free / (np.linalg.norm(R @ np.append(values, -1.0)) + TINY) for R in tables])
+            spread = scaled_pinv(np.vstack([W, RANK * np.diag(np.linalg.norm(W, axis=0))]))
+            spread *= np.sqrt((np.diag(covariance)[free] / (spread[free] ** 2).sum(axis=1)).max(initial=0.0))
+            errors = (spread @ spread.T)[:rigid, :rigid]
         nearest, distance = nearest_within(leg, bodies, errors, IMPOSSIBLE)
         change = torque_shares(tables, np.arange(rigid), np.diag(bodies - nearest)).max()
         if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
