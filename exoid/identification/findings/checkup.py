@@ -29,8 +29,8 @@ from .physics import CheckedFit, impossible_leg, large_residuals, torque_scale, 
 from .readings import POOR, gross_findings
 from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
-from .score import State
-from .search import find_faults, findings_of
+from .score import State, in_half_widths
+from .search import DOUBTFUL_MOVE, find_faults, findings_of
 from .timing import angle_jumps, missing_samples, stamp_jitter, wraps
 
 AGAINST = 4.5  # standard deviations by which a log contradicts a value; right ones reach 2.8 (clean logs, seeds to 12)
@@ -81,11 +81,11 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
                 key = (finding.kind, finding.joint)
                 if key not in found or abs(finding.value) > abs(found[key].value):
                     found[key] = finding
-        acting = [np.array(model.names)[acts].tolist() for acts in model.acting]
         for (kind, joint), finding in found.items():
-            doubtful = dict.fromkeys(name for of_joint in acting for name in of_joint)
+            joints = list(range(len(model.acting)))
             if joint and not kind.startswith("velocity") and "angle" not in finding.message:  # both couple the joints
-                doubtful = dict.fromkeys(acting[chosen.joint_names.index(joint)])
+                joints = [chosen.joint_names.index(joint)]
+            doubtful = np.array(model.names)[model.acting[joints].any(axis=0)].tolist()
             yield replace(finding, parameters=tuple(doubtful), recording=one.file_name if len(data) > 1 else "")
     if len(recordings) > 1:
         yield from repeated_data([for_leg(model, one) for one in recordings], model.names)
@@ -109,11 +109,13 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
             continue  # nor is the torque of any joint changed by 0.3 %
         what = f"{names[k]} is told to be {value:.4g}, and by the log alone is {x:.4g} ± {std:.2g} {unit}"
         remedy = "leave it out of known= and prior=, or look for a scale, a zero or a load that makes the log say so"
-        ends = (x - 2.0 * std, x + 2.0 * std)
-        found.append(Finding("contradicted-value", "", x, unit, "warning", what, remedy, ends, (names[k],)))
-        fitted = fitted._replace(fixed=np.where(np.arange(len(names)) == k, np.nan, fitted.fixed))
+        before, half, own = fitted.values, 2.0 * np.sqrt(np.diag(fitted.covariance)), np.arange(len(names)) == k
+        fitted = fitted._replace(fixed=np.where(own, np.nan, fitted.fixed))
         evidence = gather(fitted, friction=True)
         fitted = fitted._replace(values=State.of(evidence, ()).values)
+        moved = own | (in_half_widths(fitted.values - before, half) > DOUBTFUL_MOVE)
+        ends, doubtful = (x - 2.0 * std, x + 2.0 * std), tuple(np.array(names)[moved].tolist())
+        found.append(Finding("contradicted-value", "", x, unit, "warning", what, remedy, ends, doubtful))
     return fitted, evidence, found
 
 
@@ -148,8 +150,7 @@ def _finer_findings(
     fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]
 ) -> tuple[list[Finding], bool, FloatArray]:
     """Faults of nuisance columns, beside scales of torques; whether one moves parameters far; RMS residuals left."""
-    model = fitted.model
-    factors = np.ones(len(model.joint_names))
+    model, factors = fitted.model, np.ones(len(fitted.model.joint_names))
     for finding in (one for one in scales if one.joint and one.severity != "info"):
         factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
     if (factors != 1.0).any():  # to the fit of all joints, another unit of one would look like other faults
@@ -157,9 +158,8 @@ def _finer_findings(
         fitted = fitted._replace(data=tuple(data))
         evidence = gather(fitted._replace(values=State.of(gather(fitted), ()).values))
     faults, left = find_faults(fitted, evidence)
-    finer = findings_of(fitted, faults)
     known = {(finding.kind, finding.joint) for finding in scales}
     if scales and len(model.joint_names) == 2:  # of two joints only the ratio shows, at the second
         known.add(("torque-scale", model.joint_names[1]))
-    finer = tuple(finding for finding in finer if (finding.kind, finding.joint) not in known)
+    finer = [one for one in findings_of(fitted, faults) if (one.kind, one.joint) not in known]
     return [*scales, *finer], any(fault.moves_far for fault in faults), left / factors
