@@ -9,8 +9,8 @@ from functools import partial
 
 import numpy as np
 import pinocchio as pin
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
@@ -178,7 +178,7 @@ def _without(
     """Take a fault of a size out of a recording."""
     if kind in ("known-torque", "wrench-delay"):
         at = np.clip(one.time + size * (kind == "wrench-delay"), one.time[0], one.time[-1])
-        read, wrenches = partial(CubicSpline, one.time), dict(one.wrenches)
+        read, wrenches = partial(scipy.interpolate.CubicSpline, one.time), dict(one.wrenches)
         factor = 1.0 + size * (kind == "known-torque")
         for link, x in _loaded(one).items():
             wrenches[link] = replace(x, force=factor * read(x.force)(at), moment=factor * read(x.moment)(at))

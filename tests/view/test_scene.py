@@ -199,14 +199,14 @@ def test_the_page_is_the_scene_with_meshcats_viewer_and_its_licence():
 def test_scenes_that_cannot_be_drawn_are_refused():
     leg, right = exoid.load_leg("bleex"), exoid.load_leg("bleex", "right")
     log, long = motion(leg), Recording(0.25 * np.arange(4800), np.zeros((4800, 3)), joint_names=leg.joint_names)
-    millimetres = describe(leg.description.text.replace('radius="0.05"', 'radius="50"').replace("-0.43", "-430"))
+    far = describe(leg.description.text.replace('radius="0.05"', 'radius="50"').replace("-0.43", "-99"))
     for call in (
         scene,
         lambda: scene(leg, pose={"knee": 0.1}),
         lambda: scene(right, recording=log),
         lambda: scene(leg, recording=log.select(("left_hip", "left_knee"))),
         lambda: scene(leg, recording=long),
-        lambda: scene(Leg.from_description(millimetres, ("left_hip", "left_knee"))),
+        lambda: scene(Leg.from_description(far, ("left_hip", "left_knee"))),
     ):
         with pytest.raises(BadArgumentError):
             call()
