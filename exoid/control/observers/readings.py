@@ -19,9 +19,10 @@ from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import TorqueModel
 
-PARTS, MOVED, SCALE = 10, 0.2, 0.2
+PARTS, MOVED, SCALE, LAG = 10, 0.2, 0.2, 0.003
 """Tenths of a second for which an angle stands still, way by its velocities that this contradicts [rad]: noise of
-0.1 rad/s is a tenth of it; and error of a velocity's scale: a tachometer behind a low-pass of 5 Hz has 0.07."""
+0.1 rad/s is a tenth of it; and error of a velocity's scale: a tachometer behind a low-pass of 5 Hz has 0.07; and
+lag that counts [s]: such a tachometer has 1.7 ms more than its low-pass at low frequencies, which may be told."""
 
 
 class ObserverReading(NamedTuple):
@@ -114,19 +115,18 @@ def refuse_readings(rows: FloatArray, before: FloatArray, rate: float, names: tu
 
 def refuse_contradictions(recording: Recording, v: FloatArray, lags: FloatArray) -> None:
     """Refuse a log with an angle that is frozen while its velocity is not, or a velocity of another scale or sign."""
-    part = max(1, round(0.1 * recording.sample_rate))
+    part, t = max(1, round(0.1 * recording.sample_rate)), recording.time
     ways = np.diff(recording.q[::part], axis=0)
     turned = np.add.reduceat(v, np.arange(0, len(v), part), axis=0)[:-1] / recording.sample_rate
     whole = len(ways) // PARTS * PARTS
     q, path = (np.abs(x[:whole]).reshape(-1, PARTS, x.shape[1]).sum(axis=1) for x in (ways, turned))
     frozen = np.array(recording.joint_names)[((q == 0.0) & (path > MOVED)).any(axis=0)].tolist()
     wrong = [(name, "the angle is frozen while its velocity is not") for name in frozen]
-    time = recording.time
-    on_time = np.column_stack([np.interp(time + lag, time, x) for lag, x in zip(lags, v.T, strict=True)])
+    on_time = np.column_stack([np.interp(t + lag, t, x) for lag, x in zip(lags, v.T, strict=True)])
     for finding in late_velocities(replace(recording, v=on_time)):
         if finding.kind == "velocity-scale" and abs(finding.value - 1.0) > SCALE:
             wrong.append((finding.joint, finding.message))
-        else:
+        elif finding.kind == "velocity-scale" or abs(finding.value) > LAG:
             what = f"{finding.joint}: {finding.message}; give the observer velocity_delay=, or no velocities"
             warnings.warn(what, UserWarning, stacklevel=3)
     for name, what in wrong[:1]:
