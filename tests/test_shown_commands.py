@@ -12,7 +12,7 @@ PAGES = [
     path.relative_to(ROOT).as_posix() for path in (*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md")))
 ]
 
-LANGUAGES = {"python", *SHELL, "text", "toml", "c", "mermaid", ""}
+LANGUAGES = {"python", *SHELL, "text", "toml", "xml", "c", "mermaid", ""}
 """Shell is nothing but bash and console, so that no block can be left out by its name. Blocks of none are printed."""
 
 

@@ -30,7 +30,7 @@ def huber(problem: RowProblem) -> Fit:
         sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
         for index, columns, table, _ in _tables(problem):
             sizes[index].append(np.abs(table[-1] - solution.values[columns] @ table[:-1]))
-        scales = np.maximum(np.array([robust_std(np.hstack(size)) if size else 0.0 for size in sizes]), floor)
+        scales = np.maximum(np.array([robust_std(np.hstack(x)) if any(map(len, x)) else 0.0 for x in sizes]), floor)
         r_factors = _weighted(problem, solution.values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
         before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
