@@ -237,7 +237,7 @@ def library(
         return tuple(range(len(columns) - len(others or (-1,)), len(columns)))
 
     for j, joint in enumerate(names):
-        # A robot that replays one stride turns alike each time: its friction would look like one of 50 ms.
+        # A robot that replays one stride turns alike each time: its friction would look like a delay.
         faults.append(Nuisance("torque-delay", joint, j, "s", add("delay", j), beside=add("turning", j)))
         gain, zero = add("gain", j), add("zero", j)
         scales += gain if j in free else ()

@@ -73,7 +73,7 @@ def test_friction_that_turns_before_the_velocity_or_after_it_is_no_delay(early, 
 
 
 def test_a_robot_that_replays_one_stride_has_no_late_torque():
-    """MuJoCo softens friction: an ankle on which little else acts seemed to be 50 ms late, an error."""
+    """MuJoCo softens friction: an ankle on which little else acts seemed to be late, an error."""
     leg, rng, rows, t = exoid.load_leg("bleex"), np.random.default_rng(12), [], 0.001 * np.arange(16000)
     model = mujoco.MjModel.from_xml_path(str(exoid.catalog.urdf_folder() / "bleex.urdf"))
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CONTACT
