@@ -206,7 +206,7 @@ class Closure:
         rng, home, parts = np.random.default_rng(0), self.reference[self.independent], np.ones((2, 1))
         for sides in np.array([[[1.0], [0.0]], [[0.0], [1.0]], [[1.0], [1.0]]]):  # each alone, then together
             closed = np.zeros(1, dtype=np.bool_)
-            while not closed.all():
+            while not closed.all() and (parts > 0.0).all():
                 low, high = np.where(self._looped, home + parts * sides * ([lower, upper] - home), [lower, upper])
                 closed = self._closes(rng.uniform(low, high, (200, len(home))))
                 parts -= 0.05 * sides * (not closed.all())
