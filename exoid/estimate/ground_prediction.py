@@ -82,10 +82,10 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         recording: Motion, torques and contacts.
 
     Returns:
-        Force of each link at the samples at which it rests.
+        Force of each link at the samples at which it rests, where the ends of the recording do not affect them.
 
     Raises:
-        ExoidError: The base does not float, torque is missing, or no link rests.
+        ExoidError: The base does not float, torque is missing, no link rests, or the recording is too short.
     """
     model, leg = estimate.model, estimate.model.leg
     recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
@@ -93,7 +93,9 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         raise UnreadableInputError(
             "the torque of a joint is missing", where=recording.file_name, remedy="record all torques"
         )
-    found: dict[str, list[GroundForce]] = {}
+    counted, valid = np.zeros(len(recording), dtype=np.bool_), estimate.preparation.kinematics(recording).valid
+    counted[valid] = True if recording.mask is None else recording.mask[valid]
+    recording, found = replace(recording, mask=counted), dict[str, list[GroundForce]]()
     ground = find_ground(estimate, split(leg, recording, estimate.preparation))
     for stretch in ground.stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]

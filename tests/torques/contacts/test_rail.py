@@ -113,6 +113,11 @@ def test_the_force_under_squats_follows_from_torques_after_jumps_on_a_plate():
     force = ground_forces(found, log("press"))["foot"]
     true = run("press").force[np.searchsorted(run("press").time, force.time), 2]
     assert np.sqrt(np.mean((force.force[:, 2] - true) ** 2)) < 0.15 * true.std()
+    jumps = log("jump")  # what a log begins with, here a landing, changes no force that is predicted
+    landing = 1000 + int(np.flatnonzero(np.diff(jumps.contacts["foot"][1000:].astype(int)) > 0)[0])
+    cut, whole = (ground_forces(found, each)["foot"] for each in (jumps.slice(landing - 26), jumps))
+    beside = whole.force[np.searchsorted(whole.time, cut.time - 1e-9)]
+    assert np.abs(cut.force - beside)[:, 2].max() < 0.5 * true.std()
 
 
 def test_a_foot_that_never_leaves_the_ground_is_no_log_for_switches_alone():
