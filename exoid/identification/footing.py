@@ -21,8 +21,6 @@ from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_b
 from .problem import Fitted, Problem
 from .row_changes import Effects, RowChanges, changed, row_changes
 
-GYRO, FORCE = 0.02, 0.2  # standard deviations of biases of a sensor before any log is seen [rad/s, m/s²]
-
 KNOT, COLOURS = 0.25, 6
 """Time between knots of a lean that varies [s]; every sixth is changed at once."""
 
@@ -149,7 +147,8 @@ def _begin(fitted: Fitted, about: Footing | None, *, rocking: bool) -> Footing |
         return None
     forward, lateral, up = leg.plane
     turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
-    axes, sensor = turns[: 2 * stand], scipy.linalg.block_diag(GYRO * turns, FORCE * pushes)[: 6 * biased]
+    # biases of a sensor before any log is seen: 0.02 rad/s and 0.2 m/s² (standard deviations)
+    axes, sensor = turns[: 2 * stand], scipy.linalg.block_diag(0.02 * turns, 0.2 * pushes)[: 6 * biased]
     count = len(links) + len(axes) + len(sensor)
     values, knots = (np.zeros(count), {}) if about is None else (about.found.values, dict(about.knots))
     if rocking and not knots:  # a foot that rocks leans otherwise at each time, by a cubic spline

@@ -29,10 +29,8 @@ from .problem import Fitted, Problem
 from .row_changes import contact_offsets, residual, rms_residuals
 from .support_groups import MEASURED, MUCH_LEFT_OUT, rocking_finding, support_groups
 
-FAR = 6.0  # residuals beyond so many standard deviations (of the middle half of the rows) mark contacts that are wrong
-LEAST = 0.003  # residuals within so large a part of the torque of their row are errors of filters, not of contacts
 MOST = 400  # blocks of rows from which on knots of a lean would take minutes: ten minutes of stance
-ASKED, ROUNDS = 0.4, 5  # part of the rocking of a foot that is a finding, from which on it is looked for; how often
+ROUNDS = 5  # most rounds in which masses, leans and pivots follow each other
 
 
 def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, check: bool) -> Fitted:
@@ -73,9 +71,9 @@ def _rocking(fitted: Fitted, footing: Footing, estimator: Estimator) -> tuple[Fi
     """Find how feet rock that carry a base, where their lean is not the same in all blocks of time."""
     least = ROCKS / GRAVITY
     known, level = footing.rocks, (fitted, footing)
-    if not footing.links or known < ASKED * least or footing.found.blocks > MOST:
+    if not footing.links or known < 0.4 * least or footing.found.blocks > MOST:
         return level
-    for turn in range(ROUNDS):  # masses, leans and pivots need each other
+    for turn in range(ROUNDS):
         before, footing = footing, find_footing(fitted, footing, rocking=True) or footing
         fitted = fit_linear(tilted(fitted.problem, footing, before), estimator)
         if footing.rocks < least:
@@ -178,16 +176,16 @@ def without_outliers(fitted: Fitted) -> Problem:
     return replace(problem, groups=tuple(groups))
 
 
-def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
+def _footing_findings(footing: Footing, fitted: Fitted) -> Iterator[Finding]:
     """Say how soft soles are, how the ground leans, what a lean would move, and how far a sensor was off."""
     halves = 2.0 * np.sqrt(np.diag(footing.found.spread))
-    findings, remedy = list[Finding](), "record an IMU on the torso, which needs no such assumption"
+    remedy = "record an IMU on the torso, which needs no such assumption"
     for (link, c), half in zip(footing.compliance.items(), halves.tolist(), strict=False):
         text = (
             f"the motion of the base follows from {link}, which tilts by {c:.2g} ± {half:.2g} rad/(N·m) "
             "under the torque of its joint; this was taken into account, and its error is part of all intervals"
         )
-        findings.append(Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, (c - half, c + half)))
+        yield Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, (c - half, c + half))
     names = fitted.models[0].leg.parameter_names
     if footing.knots:
         places = np.hstack([[*footing.pivots.values()] * np.array([1, -1]), halves[footing.part(PIVOT)].reshape(-1, 2)])
@@ -195,17 +193,16 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> list[Finding]:
         each = zip(footing.links, (1e3 * places[:, [0, 2, 1, 3]]).tolist(), strict=True)
         then = "; ".join(text.format(link, *place) for link, place in each)
         then += ". How they lean at each time follows from the torques, and its error is part of all intervals"
-        findings.append(rocking_finding(footing.rocks, then, "", names))
+        yield rocking_finding(footing.rocks, then, "", names)
     elif footing.links and footing.found.blocks > MOST and footing.rocks > ROCKS / GRAVITY:
         then = "logs are too long to find how they lean at each time, and no interval holds it: pass some minutes"
-        findings.append(replace(rocking_finding(footing.rocks, then, "", names), severity="error"))
+        yield replace(rocking_finding(footing.rocks, then, "", names), severity="error")
     if len(footing.sensor):
         when = "as no foot rests flat and still for a second in any recording, or feet rock, by all rows"
-        findings.append(_imu_finding(footing.imu, when, "", names))
+        yield _imu_finding(footing.imu, when, "", names)
     angle, half = (float(np.rad2deg(np.linalg.norm(x))) for x in (footing.lean, halves[footing.part(LEAN)]))
     if footing.links or angle > 2.0 * half:
-        findings.append(_lean_finding(footing, fitted, angle, half))
-    return findings
+        yield _lean_finding(footing, fitted, angle, half)
 
 
 def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -> Finding:
@@ -236,16 +233,16 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArra
     residuals = [(rows.time, residual(rows, values)) for rows in map(group.decimated, range(len(group.data)))]
     sizes = [np.abs(row[row != 0.0]) for row in np.vstack([left for _, left in residuals]).T]
     # by the median, which outliers do not move, or by up to twice as much where noise is not the same at all times; not
-    # for feet that carry the base: slips look alike. But at least by a small part of the torque of the row
+    # for feet that carry the base: slips look alike. Errors of filters are 0.3 % of the torque of the row
     quantiles = np.array([np.quantile(x, (0.5, 0.9)) if len(x) else (np.inf, np.inf) for x in sizes])
     middle, most = quantiles.T / [[0.6745], [1.6449]]  # those of normal noise
     stands = any(isinstance(one.base, StandingBase) for one in group.motions)
     middle = middle if stands else np.clip(most, middle, 2.0 * middle)
-    scale = np.maximum(middle, LEAST * rms_residuals(problem, [index], np.zeros(len(problem.names))))
+    scale = np.maximum(middle, 0.003 * rms_residuals(problem, [index], np.zeros(len(problem.names))))
     for one, (time, left) in zip(group.motions, residuals, strict=True):
         assert one.mask is not None  # see `split`
         far = np.zeros(len(one), dtype=np.bool_)
-        far[np.searchsorted(one.time, time[(np.abs(left) > FAR * scale).any(axis=1)])] = True
+        far[np.searchsorted(one.time, time[(np.abs(left) > 6.0 * scale).any(axis=1)])] = True
         near = scipy.ndimage.binary_dilation(far, iterations=round(EDGE * one.sample_rate))
         found.append((one, one.mask, one.mask & near))
     return found

@@ -29,9 +29,6 @@ from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
 from .group_rows import Group
 from .problem import Fitted, Problem
 
-DELAY, BESIDE = 2e-3, 2e-3
-"""Delay [s] and distance from an edge [m] at which effects are computed."""
-
 
 class RowChanges(NamedTuple):
     """Numbers c that change rows, r(c) = r − D c, found beside the parameters."""
@@ -89,8 +86,9 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     def shifted(delays: Mapping[int, float]) -> Problem:
         return changed(problem, parts, lambda _, one: without_torque_delay(one, delays))
 
-    late = [shifted({joint: DELAY}) for joint in range(len(joints))]
-    found = row_changes(fitted, Effects.alike(late, DELAY, 0.1))
+    step = 2e-3  # [s]
+    late = [shifted({joint: step}) for joint in range(len(joints))]
+    found = row_changes(fitted, Effects.alike(late, step, 0.1))
     half = found.halves
     # A torque that is shifted by less than a fifth of a millisecond is as good as on time
     size = np.where(np.abs(found.values) > 2e-4, np.abs(found.values), 0.0)
@@ -107,13 +105,13 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
 
 def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
     """Find points and edges whose force passes beside them: a foot that rolls, or that rests on another part."""
-    problem, found = fitted.problem, dict[str, Problem]()
+    problem, found, step = fitted.problem, dict[str, Problem](), 2e-3  # [m]
     for link in dict.fromkeys(link for group in problem.groups for link in _on_points(group)):
-        groups = [_beside(group, link) if link in _on_points(group) else group for group in problem.groups]
+        groups = [_beside(group, link, step) if link in _on_points(group) else group for group in problem.groups]
         found[link] = replace(problem, groups=tuple(groups))
     if not found:
         return
-    c = row_changes(fitted, Effects.alike([*found.values()], BESIDE, 0.05))
+    c = row_changes(fitted, Effects.alike([*found.values()], step, 0.05))
     for link, x, band in zip(found, c.values.tolist(), c.halves.tolist(), strict=True):
         # Edges round by 5 mm stay below 0.7 mm; of 10 mm, four of five seeds are above (0 to 4). A contact that
         # bears hardly any load is known worse than to 5 mm, and moves no parameter.
@@ -130,12 +128,12 @@ def _on_points(group: Group) -> list[str]:
     return [link for link in of_feet if leg.contact_kind(link) != "flat" and leg.model.existFrame(link)]
 
 
-def _beside(group: Group, link: str) -> Group:
+def _beside(group: Group, link: str, step: float) -> Group:
     """Let a foot rest a step before its place."""
     leg, model = group.model.leg, group.model.leg.model.copy()
     frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
     forward = held_directions(leg.model, leg.description, link, leg.plane)[0, :3]
-    frame.placement = frame.placement * pin.SE3(np.eye(3), BESIDE * forward)
+    frame.placement = frame.placement * pin.SE3(np.eye(3), step * forward)
     return replace(group, model=replace(group.model, leg=replace(leg, model=model)))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import NotSupportedError, UnreadableInputError
-from exoid.estimate.finding import Finding
+from exoid.estimate.finding import Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.rows import for_leg
@@ -27,9 +27,6 @@ from .group_rows import Group
 from .problem import Problem
 
 MUCH_LEFT_OUT = 0.2  # more than this part of the samples left out is worth a warning
-FAR_OFF = 0.05  # a sensor this far from where the log says moves the mass of a machine by percents [m]
-STRONGEST = 1e4  # torque that no joint of a machine that stands has [N·m]
-MANY = 2000  # samples that the reference of closed chains is chosen for
 MEASURED = "measured"  # name of the samples at which no wrench is unknown
 
 
@@ -56,8 +53,8 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     if group.preparation is None or any(group.preparation.parallel(one.sample_rate) is None for one in data):
         raise NotSupportedError("rows with contacts need the parallel filter", remedy="leave preparation out")
     most = max((float(np.nanmax(np.abs(one.tau), initial=0.0)) for one in data if one.tau is not None), default=0.0)
-    if most > STRONGEST:  # a sole that gives way under it would turn the base over
-        what = f"a torque of {most:.6g} N·m (limit {STRONGEST:g} N·m on the ground) looks like N·mm"
+    if most > 1e4:  # a sole that gives way under it would turn the base over
+        what = f"a torque of {most:.6g} N·m (limit 10000 N·m on the ground) looks like N·mm"
         remedy = "give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000"
         raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy)
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
@@ -73,7 +70,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
     groups: list[Group] = []
     for (links, plates), data in found.items():
         q = np.vstack([one.q[one.mask] for one in data])
-        support = SupportModel.of(model, links, q[:: 1 + len(q) // MANY], plates=plates)
+        support = SupportModel.of(model, links, q[:: 1 + len(q) // 2000], plates=plates)
         measured = np.logical_or.reduce([one.measured for one in data])
         if support.axes is not None and not measured.all():
             missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
@@ -111,62 +108,40 @@ def _split_session(leg: Leg, data: Sequence[Recording], preparation: Preparation
     return every, findings
 
 
-def _left_out(parts: Split, recording: Recording) -> list[Finding]:
-    """Say how many samples were left out, and why."""
+def _left_out(parts: Split, recording: Recording) -> Iterator[Finding]:
+    """Say what feet tell of switches and of the base's sensor, how many samples were left out, and why."""
     left, name = parts.left, recording.file_name
-    unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
-    check_ground = "check contacts, the ground, and whether joints' zeros are right"
-    rows = (
-        (
-            *("slipping-contact", left.slipping, MUCH_LEFT_OUT),
-            *("say that a link rests which moves; they were left out", check_ground),
-        ),
-        (
-            *("slipping-contact", left.moving, 1.0),
-            "say that a link rests which rolls or slips; they count, as the motion of the base was measured" + unseen,
-            "nothing to do; without that measurement they would be left out",
-        ),
-        (
-            *("wrong-contact", left.gaps, 1.0),
-            f"are in gaps of a contact that are shorter than {EDGE:g} s; they were filled",
-            "check the foot switch",
-        ),
-        (
-            *("contact-changes", left.changing, 1.0),
-            *(f"are within {parts.near:.2g} s of a touch-down; they were left out", "nothing to do"),
-        ),
-        (
-            *("singular-stance", left.singular, MUCH_LEFT_OUT),
-            "leave no row: knees are straight, or too many links rest for the joints",
-            "bend the knees, or measure the wrenches",
-        ),
-        (
-            *("singular-stance", left.floating, MUCH_LEFT_OUT),
-            "have no foot flat on the ground, and the motion of the base was not measured; they were left out",
-            "record an IMU on the torso",
-        ),
-    )
-    text = "the switches of {} close {:.0f} ms after the jolt of its touch-downs; its contacts begin with the jolt"
-    advice = "lower the threshold of the switches, or correct their time stamps"
-    late = [
-        Finding("contact-kind", "", x, "s", "warning", text.format(foot, 1e3 * x), advice, recording=name)
-        for foot, x in parts.late.items()
-    ]
+    for foot, x in parts.late.items():
+        when = f"{1e3 * x:.0f} ms after the jolt of its touch-downs; its contacts begin with the jolt"
+        remedy = "lower the threshold of the switches, or correct their time stamps"
+        text = f"the switches of {foot} close {when}"
+        yield Finding("contact-kind", "", x, "s", "warning", text, remedy, recording=name)
     if delay := parts.delay:
         when = f"{abs(1e3 * delay):.0f} ms {'later' if delay > 0.0 else 'earlier'} than the angles"
         text = f"feet tell that the base's sensor reads {when}; it was moved"
-        late.append(Finding("imu-delay", "", delay, "s", "warning", text, "stamp both with one clock", recording=name))
+        yield Finding("imu-delay", "", delay, "s", "warning", text, "stamp both with one clock", recording=name)
     if parts.imu is not None and parts.imu.rocks:
-        late.append(rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name))
-    return late + [
-        Finding(
-            *(kind, "", share, "1", "warning" if share > many else "info"),
-            *(f"{share:.1%} of the samples {message}", remedy),
-            recording=name,
-        )
-        for kind, share, many, message, remedy in rows
-        if share > 0.0
-    ]
+        yield rocking_finding(parts.imu.rocks, "they tell no bias of the base's sensor", name)
+    unseen = f", and slips of all feet alike below {1e3 * parts.visible:.0f} mm/s are not seen" if parts.visible else ""
+    slips = "say that a link rests which moves; they were left out"
+    check_ground = "check contacts, the ground, and whether joints' zeros are right"
+    rolls = "say that a link rests which rolls or slips; they count, as the motion of the base was measured" + unseen
+    gaps = f"are in gaps of a contact that are shorter than {EDGE:g} s; they were filled"
+    near = f"are within {parts.near:.2g} s of a touch-down; they were left out"
+    stretched = "leave no row: knees are straight, or too many links rest for the joints"
+    lifted = "have no foot flat on the ground, and the motion of the base was not measured; they were left out"
+    rows = (  # share, from which on it is a warning, kind, what is so, and advice
+        (left.slipping, MUCH_LEFT_OUT, "slipping-contact", slips, check_ground),
+        (left.moving, 1.0, "slipping-contact", rolls, "nothing to do; without that measurement they would be left out"),
+        (left.gaps, 1.0, "wrong-contact", gaps, "check the foot switch"),
+        (left.changing, 1.0, "contact-changes", near, "nothing to do"),
+        (left.singular, MUCH_LEFT_OUT, "singular-stance", stretched, "bend the knees, or measure the wrenches"),
+        (left.floating, MUCH_LEFT_OUT, "singular-stance", lifted, "record an IMU on the torso"),
+    )
+    for share, many, kind, text, remedy in (row for row in rows if row[0] > 0.0):
+        severity: Severity = "warning" if share > many else "info"
+        what = f"{share:.1%} of the samples {text}"
+        yield Finding(kind, "", share, "1", severity, what, remedy, recording=name)
 
 
 def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:
@@ -180,7 +155,8 @@ def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Findi
             place = ", ".join(f"{x:.2f}" for x in position + aside)
             text = f"turns of the base on feet tell that its sensor is {1e3 * size:.0f} mm from where the log says"
             advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=), --base-position"
-            yield Finding("imu-position", "", size, "m", "error" if size > FAR_OFF else "warning", text, advice)
+            # 5 cm move the mass of a machine by percents
+            yield Finding("imu-position", "", size, "m", "error" if size > 0.05 else "warning", text, advice)
 
 
 def rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:

@@ -12,8 +12,8 @@ import exoid
 from exoid.cli.app import app
 from exoid.control import ControlModel
 from exoid.identification.findings.checkup import signal_findings
-from exoid.identification.findings.loop_gap import loop_gaps
 from exoid.identification.findings.physics import impossible_leg
+from exoid.identification.findings.timing import loop_gaps
 from exoid.leg.description import read_description
 from exoid.regression.least_squares import scaled_pinv
 from exoid.torques import TorqueModel

@@ -11,9 +11,8 @@ from exoid.estimate.finding import Finding, Severity
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.regression.rows import for_leg
-from exoid.signals import BaseMotion, Recording
-from exoid.signals.filters.low_pass import slow_part
-from exoid.signals.moving_base import base_during
+from exoid.signals import Recording
+from exoid.signals.moving_base import base_during, vertical
 
 from .sample import FittedLeg
 
@@ -67,7 +66,9 @@ def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
     for one in fitted.data:
         if not isinstance(one, Recording) or one.base is None or one.base.pose is not None or one.contacts:
             continue
-        size = _mean_vertical_force(one.base, one.sample_rate)
+        even = one.resampled()
+        assert even.base is not None
+        size = float(np.mean(np.sum(even.base.specific_force * vertical(even), axis=1)))
         error = size - gravity
         # 0.05 m/s² move mass moments by 0.5 %. A base may gain 1 m/s during a recording.
         if abs(error) <= 0.05 + 1.0 / one.duration:
@@ -82,26 +83,3 @@ def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
         )
         doubtful, where = fitted.model.leg.parameter_names, one.file_name
         yield Finding("gravity-size", "", error, "m/s²", "warning", message, remedy, None, doubtful, where)
-
-
-def _mean_vertical_force(base: BaseMotion, rate: float) -> float:
-    """Mean of the specific force along the vertical [m/s²]."""
-    # The base leans by φ about the axis a that it turns about most, and by a small angle across. The vertical is then
-    # u = cos φ m + sin φ (a × m) with the mean direction m of the force, and φ̇ = −a · ω.
-    force, omega = base.specific_force, base.angular_velocity
-    middle = force.mean(axis=0) / np.linalg.norm(force.mean(axis=0))
-    level = omega - np.outer(omega @ middle, middle)
-    axis = np.linalg.eigh(np.cov(level.T))[1][:, -1]
-    axis = axis - (axis @ middle) * middle
-    axis = axis / np.linalg.norm(axis)
-    side = np.cross(axis, middle)
-    upward, aside, across = force @ middle, force @ side, force @ axis
-    lean = _lean(np.arctan2(aside, upward), -omega @ axis, rate)
-    other = _lean(np.arctan2(across, upward), omega @ side, rate)
-    return float(np.mean(upward * np.cos(lean) + aside * np.sin(lean)) * (1.0 + 0.5 * np.mean(other**2)))
-
-
-def _lean(slow: FloatArray, turning: FloatArray, rate: float) -> FloatArray:
-    """Join how a base leans by an accelerometer, below 0.1 Hz, and by a gyroscope, above."""
-    apart = np.cumsum(turning) / rate - slow
-    return np.asarray(slow + apart - slow_part(apart, rate, min(0.08, 0.08 * rate)))

@@ -21,8 +21,8 @@ from .evidence import Evidence
 from .kinds import Nuisance
 from .score import LARGE_GAIN, State
 
-BLOCKS, MUCH = 60, 0.1
-"""Blocks of all data, and least part of the squared residuals that a change explains; other friction explains less."""
+BLOCKS = 60
+"""Blocks of all data."""
 
 
 class Change(NamedTuple):
@@ -88,7 +88,8 @@ def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -
 
 def _changes(state: State, columns: Sequence[int], scales: Sequence[int]) -> Iterator[tuple[float, float, Change]]:
     """Test all changes, each beside the fitted columns: score² / variance, share that it explains, where it is much."""
-    # What carries the scale of all, such as a payload, is in few logs: there a small change moves all parameters far.
+    # Other friction explains less than a tenth of the squared residuals. What carries the scale of all, such as a
+    # payload, is in few logs: there a small change moves all parameters far.
     chosen = list(dict.fromkeys((*state.columns.tolist(), *columns)))
     own = [chosen.index(k) for k in columns]
     blocks, grams = _grams(state, [*chosen, -1])
@@ -105,7 +106,7 @@ def _changes(state: State, columns: Sequence[int], scales: Sequence[int]) -> Ite
         # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
         share = inverse @ crossed
         information = size - np.sum(share * crossed, axis=0)
-        least = np.where(np.isin(columns, scales) & (not place.within), 0.0, MUCH)
+        least = np.where(np.isin(columns, scales) & (not place.within), 0.0, 0.1)
         much = (information > 0.01 * size) & (score**2 > least * rss * np.maximum(information, TINY))
         for k in np.flatnonzero(much).tolist():
             # variance of the score by those of the blocks, less the change

@@ -24,16 +24,13 @@ from .channels import channel_findings
 from .efforts import missing_gravity, unsigned_torques
 from .evidence import Evidence, torque_shares
 from .kinds import FORMS
-from .loop_gap import loop_gaps
 from .physics import CheckedFit, impossible_leg, large_residuals, torque_scale, turned_segment
 from .readings import POOR, gross_findings
 from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State, in_half_widths
 from .search import DOUBTFUL_MOVE, find_faults, findings_of
-from .timing import angle_jumps, missing_samples, stamp_jitter, wraps
-
-AGAINST = 4.5  # standard deviations by which a log contradicts a value; right ones reach 2.8 (clean logs, seeds to 12)
+from .timing import angle_jumps, loop_gaps, missing_samples, stamp_jitter, wraps
 
 
 class Checkup(NamedTuple):
@@ -103,7 +100,7 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
         apart = {k: abs(x - told[k][0]) / np.hypot(std, max(told[k][1], TINY)) for k, (x, std) in alone.items()}
         k = max(told, key=lambda k: apart[k])
         (x, std), (value, _), unit = alone[k], told.pop(k), fitted.model.units[k]
-        if apart[k] < AGAINST:
+        if apart[k] < 4.5:  # right values reach 2.8 standard deviations (clean logs, seeds to 12)
             break
         if torque_shares(evidence.factors, [k], np.array([[x - value]]))[0] < 3e-3:
             continue  # nor is the torque of any joint changed by 0.3 %

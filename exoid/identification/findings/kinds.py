@@ -219,6 +219,11 @@ class Library(NamedTuple):
     always: tuple[int, ...]
     free: tuple[int, ...]  # columns that every fit contains: scales of torques whose constants were not known
 
+    @property
+    def friction(self) -> list[int]:
+        """Columns of friction of other forms."""
+        return [k for k, column in enumerate(self.columns) if column.kind in FORMS]
+
 
 def library(
     model: TorqueModel, arms: Mapping[int, ArmShapes], free: Collection[int], *, known: bool, sensed: bool

@@ -23,7 +23,6 @@ from .evidence import Evidence, torque_shares
 from .sample import FittedLeg
 
 IMPOSSIBLE = 4.5  # standard deviations of parameters that no leg can have from the nearest that one can
-UNBALANCED = 0.05  # part of its torques that a passive joint may leave: healthy machines leave 0.043, seeds below 160
 
 
 class CheckedFit(NamedTuple):
@@ -243,7 +242,7 @@ def unbalanced(model: TorqueModel, by_row: Iterable[Iterable[RFactor]], values: 
     for joint, r_factors in zip(model.row_names, by_row, strict=True):
         R = np.vstack([each.R for each in r_factors])
         left, parts = np.linalg.norm(R[:, :-1] @ values), np.linalg.norm(R[:, :-1] * values)
-        if R[:, -1].any() or left <= UNBALANCED * parts:
+        if R[:, -1].any() or left <= 0.05 * parts:  # healthy machines leave 0.043, seeds below 160
             continue
         share = float(left / parts)
         message = f"gravity, inertia and friction of {joint}, which is passive, cancel but for {share:.0%}"

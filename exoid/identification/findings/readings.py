@@ -23,7 +23,6 @@ FITS_BETTER, CLEARLY = 1.6, 1.1
 joints there are; and in one that is more far-fetched than another."""
 
 STILL = 0.05  # span of a joint that hardly moves [rad]
-PASSIVE = 3.0  # of a passive joint residuals have to be so many times smaller still in another order
 
 
 class Reading(NamedTuple):
@@ -132,8 +131,9 @@ def _best_reading(
         left, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
         if reading.kind == "torque-scale" and left.max() > np.log(0.5):
             continue  # a torque that hardly weighs lets the others contradict it
-        speaks = reading.kind != "joint-order" or not joints & passive  # else only the torques of others do
-        misfit = float(left.mean()) + (0.0 if speaks else share * np.log(PASSIVE))
+        # of a passive joint only the torques of others speak: they have to be three times clearer
+        silent = reading.kind == "joint-order" and joints & passive
+        misfit = float(left.mean()) + (share * np.log(3.0) if silent else 0.0)
         if misfit < least:
             best, least = reading, misfit - share * np.log(CLEARLY)
     return best, float(least)

@@ -17,16 +17,8 @@ from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings
 
 
-def counted_once(group: Group) -> Group:
-    """Leave out samples that are passed twice."""
-    # Copies of a recording are found in memory and on disk, under whatever name. Recordings in memory that
-    # overlap get a mask: their shared samples count in the first one only.
-    group = _without_copies(group)
-    return group if isinstance(group.data, Recordings) else _without_overlaps(group)
-
-
 def _without_copies(group: Group) -> Group:
-    """Leave out recordings that are passed twice; those on disk are not read."""
+    """Leave out recordings that are passed twice, under whatever name; those on disk are not read."""
     summaries, data = group.summaries, group.data
     first: dict[tuple[object, ...], int] = {}
     for place, one in enumerate(summaries):
@@ -49,8 +41,11 @@ def _without_copies(group: Group) -> Group:
     return replace(group, data=rest, summaries=[summaries[k] for k in kept], findings=(*group.findings, *findings))
 
 
-def _without_overlaps(group: Group) -> Group:
-    """Let samples that two recordings share count in the first one only."""
+def counted_once(group: Group) -> Group:
+    """Let samples that are passed twice count once: of recordings in memory that overlap, in the first one only."""
+    group = _without_copies(group)
+    if isinstance(group.data, Recordings):
+        return group
     model, summaries, findings = group.model, group.summaries, list(group.findings)
     moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
     recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]

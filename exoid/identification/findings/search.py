@@ -18,7 +18,7 @@ from exoid.signals.cutoff import noisier
 
 from .changes import BLOCKS, Change, described, find_change, with_change
 from .evidence import Evidence, torque_shares
-from .kinds import KINDS, Nuisance
+from .kinds import KINDS, Library, Nuisance
 from .sample import FittedLeg, gather
 from .score import HALF_WIDTH, LARGE_GAIN, WORTH_A_LOOK, Score, State, in_half_widths, p_value_of
 
@@ -26,16 +26,8 @@ SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE, UNDECIDED = 0.5, 0.25, 10.0, 3.0
 """Half widths by which a fault moves a parameter if it matters, makes it doubtful, or is an error; and evidence below
 that of the best (20 times less likely) from which on others are not named beside it."""
 
-CERTAIN = 1e-8
-"""Probability in noise below which a fault can be an error: below are 30 of 32 springs, above is other friction."""
-
-LATE, COMMON = 0.01, 10.0
-"""Delays above the first [s] are common: their limit of significance is so many times larger, their least move half.
-Chosen on the proving ground, seeds below 60, where each names one to three of 40 machines more."""
-
-KEPT = 0.5
-"""Part of the compliance of a spring that is left beside the noise of the angles once more. Of springs on the proving
-ground, seeds 0 to 43, 14 of 15 keep over 0.8; what noise imitates keeps less than 0.5."""
+LATE = 0.01
+"""Delay of torques as a mistake of recording makes it [s], at least."""
 
 SCALES = ("torque-scale", "angle-scale")
 
@@ -47,7 +39,6 @@ class Fault(NamedTuple):
     alternatives: tuple[Score, ...]  # faults that explain the log about as well
     reach: FloatArray  # largest change of the parameters by a fault of this kind, torque and any form, (P,)
     change: float  # RMS change of the predicted torque of a joint by the parameters that move, over its RMS torque
-    matters: bool  # whether it has a size that matters, and rows left out are predicted better with it
 
     @property
     def moves_far(self) -> bool:
@@ -59,21 +50,21 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
     """Look for faults that explain residuals, the most convincing first; and the RMS residuals beside them, (n,)."""
     # Each fault that is found is taken out of the recordings, or its columns stay in the fit, before the next is looked
     # for. At the end each is estimated beside all others, and those that are no longer significant are dropped.
-    columns, candidates, always, free = fitted.library
+    library, candidates = fitted.library, fitted.library.faults
     limit = 0.005 / len(candidates)  # some fault would be found in 0.5 % of the logs without any
     try:
         evidence = gather(fitted) if evidence is None else evidence
-        friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
-        beside = _Beside(evidence, {}, always, free, friction)
+        beside = _Beside(evidence, {}, library)
         changes: list[Change] = []
         for _ in range(6):  # at most so many faults
             state = beside.fit()
-            beside_friction = State.of(beside.evidence, (*beside.staying(), *always, *friction), near=state)
-            change = find_change(beside_friction, fitted.model, columns)
+            friction = (*beside.staying(), *library.always, *library.friction)
+            beside_friction = State.of(beside.evidence, friction, near=state)
+            change = find_change(beside_friction, fitted.model, library.columns)
             if change is not None and change not in changes:
                 changes.append(change)
                 beside = beside._replace(evidence=with_change(beside.evidence, change))
-                candidates = (*candidates, described(change, beside.evidence, fitted.model, columns))
+                candidates = (*candidates, described(change, beside.evidence, fitted.model, library.columns))
                 state = beside.fit(near=state)
             likely = _likely(beside, state, candidates, limit)
             if not likely:
@@ -95,13 +86,12 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
             if best.is_corrected:
                 again = gather(fitted._replace(values=State.of(beside.evidence, beside.staying()).values))
                 beside = beside._replace(evidence=reduce(with_change, changes, again))
-        forms = [k for k, column in enumerate(columns) if column.kind in ("force", "force²")]
         full = beside.fit() if beside.faults or changes else state
-        sizes = (_sized(beside, full, fault, forms) for fault in beside.faults)
-        found = [fault for fault in sizes if fault is not None and _counts(fault.score, limit) and fault.matters]
+        sizes = (_sized(beside, full, fault) for fault in beside.faults)
+        found = [fault for fault in sizes if fault is not None and _counts(fault.score, limit)]
         if found:  # the first is blamed for what all together move more than it does alone
-            now, before = (State.of(*fit).values for fit in ((beside.evidence, beside.staying()), (evidence, free)))
-            total, first = now - before, found[0].score
+            now, before = State.of(beside.evidence, beside.staying()), State.of(evidence, library.free)
+            total, first = now.values - before.values, found[0].score
             move = np.where(np.abs(total) > np.abs(first.move), total, first.move)
             found[0] = found[0]._replace(score=first._replace(move=move))
         return tuple(found), 1.0 / full.weights
@@ -115,18 +105,17 @@ class _Beside(NamedTuple):
     evidence: Evidence  # the rows, without the faults that were taken out
     # faults in the order in which they were found: the part that was taken out, and those that explain as much
     faults: dict[Nuisance, tuple[float, tuple[Score, ...]]]
-    always: tuple[int, ...]  # columns that protect every test
-    free: tuple[int, ...]  # columns of scales that stay in every fit
-    friction: tuple[int, ...]  # columns of friction of other forms
+    library: Library  # nuisance columns
 
     def staying(self, without: Nuisance | None = None) -> list[int]:
         """Columns of the faults that stay in the fit, and of scales."""
-        return [*self.free, *(c for one in self.faults if not one.is_corrected and one != without for c in one.columns)]
+        stay = (one for one in self.faults if not one.is_corrected and one != without)
+        return [*self.library.free, *(column for one in stay for column in one.columns)]
 
     def fit(self, tested: Nuisance | None = None, *, also: tuple[Nuisance, ...] = (), **how: State | None) -> State:
         """Fit with the columns of all faults but the tested one, those that are taken out of the recordings too."""
         others = (*(one for one in self.faults if one != tested), *also)
-        columns = (*(column for one in others for column in one.columns), *self.free, *self.always)
+        columns = (*(column for one in others for column in one.columns), *self.library.free, *self.library.always)
         columns = tuple(dict.fromkeys((*columns, *(tested.beside if tested else ()))))
         return State.of(self.evidence, columns, tested=None if tested is None else tested.columns, **how)
 
@@ -153,22 +142,26 @@ def _is_scaled(score: Score) -> bool:
 
 def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
+    # Late torques are common: their limit of significance is ten times larger, and their least move half. Each names
+    # one to three more of 40 machines of the proving ground, seeds below 60.
     if score.nuisance.kind in ("elastic-joint", "play") and not 0.0 <= score.delta[0] <= score.nuisance.most:
         return False  # a link is not ahead of its load
     # a change is the best of those at all times
-    ease = COMMON if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind == "change" else 1.0
+    ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind == "change" else 1.0
     least = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
     return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > least)
 
 
 def _is_spring(score: Score, beside: _Beside, fitted: FittedLeg, changes: Sequence[Change]) -> bool:
     """Whether a spring stays beside more noise of the angles, whose torque is not in the measured one either."""
+    # Of springs on the proving ground, seeds 0 to 43, 14 of 15 keep over 0.8 of their compliance beside the noise once
+    # more; what noise imitates keeps less than 0.5.
     rng = np.random.default_rng(0)
     for _ in range(2):
         data = tuple(one if isinstance(one, Poses) else replace(one, q=noisier(one.q, rng)) for one in fitted.data)
         noisy = beside._replace(evidence=reduce(with_change, changes, gather(fitted._replace(data=data))))
         again = noisy.test(score.nuisance, noisy.fit())[0]
-        if again is None or again.delta[0] < KEPT * score.delta[0]:
+        if again is None or again.delta[0] < 0.5 * score.delta[0]:
             return False
     return True
 
@@ -208,32 +201,36 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     return [one for one in likely if abs(one.evidence - likely[0].evidence) < UNDECIDED]
 
 
-def _sized(beside: _Beside, full: State, fault: Nuisance, forms: Sequence[int]) -> Fault | None:
-    """Estimate one fault beside all others; the torque of a force may have other forms than the columns tested."""
+def _sized(beside: _Beside, full: State, fault: Nuisance) -> Fault | None:
+    """Estimate one fault beside all others; None where they explain it now, or it is too small, or predicts nothing."""
     score, plain = beside.test(fault, full)
-    if score is None:  # others explain it now
+    if score is None:
         return None
     evidence, count, (applied, alternatives) = beside.evidence, len(beside.evidence.fixed), beside.faults[fault]
-    reach = np.zeros(count) if fault.kind != "unmodelled-force" else plain.reach(fault.columns, score.delta, forms)
+    reach = np.zeros(count)
+    if fault.kind == "unmodelled-force":  # its torque may have other forms than the columns tested
+        forms = [k for k, column in enumerate(beside.library.columns) if column.kind in ("force", "force²")]
+        reach = plain.reach(fault.columns, score.delta, forms)
     if fault.is_corrected:
         total = np.array([_together(fault, applied, float(score.delta[0]))])
         std = score.std * (1.0 + applied) if fault.kind in SCALES else score.std
         p_value = p_value_of(total / np.maximum(std, 1e-300), np.eye(1), score.dof)
         score = score._replace(delta=total, std=std, p_value=p_value, move=-plain.moved(fault.columns, total))
     torque = torque_shares(evidence.factors, count + np.array(fault.columns), score.delta[:, None])
+    if not (fault.is_large_enough(score.delta, float(torque[0])) and _predicts(beside, score, plain)):
+        return None
     change = torque_shares(evidence.factors, np.arange(count), score.move[:, None])
-    predicts = _predicts(beside, fault, plain, float(score.delta[0]) if fault.is_corrected else 0.0)
-    matters = predicts and fault.is_large_enough(score.delta, float(torque[0]))
     alternatives = tuple(one for one in alternatives if one.nuisance.is_large_enough(one.delta, float(torque[0])))
-    return Fault(score, alternatives, reach, float(change[0]), matters)
+    return Fault(score, alternatives, reach, float(change[0]))
 
 
-def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) -> bool:
+def _predicts(beside: _Beside, score: Score, plain: State) -> bool:
     """Whether a fault predicts rows left out better, by a margin where friction of other forms does."""
-    evidence, count = beside.evidence, len(beside.evidence.fixed)
+    evidence, count, library, fault = beside.evidence, len(beside.evidence.fixed), beside.library, score.nuisance
+    applied = float(score.delta[0]) if fault.is_corrected else 0.0
     own = count + np.array(fault.columns)
-    free = np.append(evidence.free, count + np.array(beside.free, dtype=np.intp))
-    friction = np.append(free, count + np.array((*beside.always, *fault.beside, *beside.friction)))
+    free = np.append(evidence.free, count + np.array(library.free, dtype=np.intp))
+    friction = np.append(free, count + np.array((*library.always, *fault.beside, *library.friction)))
     bare = plain.columns if fault.kind == "unmodelled-friction" else np.union1d(plain.columns, friction)
     # Friction that was found counts no more, but beside a delay: what is left of it at reversals looks like one
     found = free if fault.kind in ("torque-delay", "two-clocks") else plain.columns
@@ -259,7 +256,7 @@ def _predicts(beside: _Beside, fault: Nuisance, plain: State, applied: float) ->
     errors = np.maximum(errors, 1e-12 * blocks[..., -1, -1].sum(axis=0) + TINY)  # smaller ones are rounding
     gain, of_friction = np.log(errors[::2] / errors[1::2]).sum(axis=1).tolist()
     eased = fault.kind == "unmodelled-friction" or (fault.kind == "torque-delay" and applied > LATE)
-    eased |= fault[:2] == ("change", "") and bool(beside.free)  # a small one moves free constants of drives far
+    eased |= fault[:2] == ("change", "") and bool(library.free)  # a small one moves free constants of drives far
     least = 0.0 if eased else float(np.clip(0.36 * of_friction, 0.0, 0.9))
     return bool(gain > least)
 
@@ -313,7 +310,8 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
         acting = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
         doubtful |= acting.any(axis=0) & (score.half > 0.0)
     # An error has to be certain, and worth stopping for: a parameter moves far, and a joint's predicted torque by 5 %.
-    severity: Severity = "error" if fault.moves_far and fault.change > 0.05 and score.p_value < CERTAIN else "warning"
+    # 30 of 32 springs are less probable in noise than 1e-8; other friction is more.
+    severity: Severity = "error" if fault.moves_far and fault.change > 0.05 and score.p_value < 1e-8 else "warning"
     effect = f"; it changes the predicted torque of a joint by {fault.change:.2g} of its RMS value"
     rivals = (one for one in fault.alternatives if one.nuisance[:2] != score.nuisance[:2])  # kind and joint
     both = [(score, doubtful), *((one, one.moves > DOUBTFUL_MOVE) for one in rivals)]

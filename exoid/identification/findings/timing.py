@@ -1,4 +1,4 @@
-"""Checks of time, which need no model: missing samples, stamps that jitter, angles that wrap or jump."""
+"""Checks of angles and time: missing samples, stamps that jitter, angles that wrap, jump, or leave loops open."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
+from exoid.leg.closure import Closure
+from exoid.leg.leg_data import without_side
 from exoid.signals import Recording
 from exoid.signals.cutoff import robust_std, white_noise
 
 from .channels import quantum
 
 WINDOW = 4  # samples on each side of an interval, through which lines are laid
-APART = 5.0  # times the way of a fast joint in a sample: rows of other times jump by more, in two joints or all
 SPLIT = "use the stamps of the sensors, or split the log there and pass the parts (Recording.between)"
 
 
@@ -85,8 +86,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     usual = np.maximum(np.sqrt(np.mean((ahead - behind) ** 2, axis=1, keepdims=True)), 1e-300)
     beyond = np.max(np.abs(jump) / usual, axis=0) > 2.0 * np.max(np.abs(ahead - behind) / usual, axis=0)
     beyond &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
-    seams = np.abs(jump) * beyond
-    seams *= (seams > APART * np.quantile(np.abs(slopes), 0.99, axis=1, keepdims=True)).sum(axis=0) > 1
+    seams = np.abs(jump) * beyond  # rows of other times: jumps of five times the way of a fast joint in a sample
+    seams *= (seams > 5.0 * np.quantile(np.abs(slopes), 0.99, axis=1, keepdims=True)).sum(axis=0) > 1
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.
     rests, count = steps == 0.0, len(recording) - WINDOW + 1
     still = np.logical_and.reduce([rests[:, k : k + count] for k in range(WINDOW - 1)])
@@ -132,3 +133,26 @@ def stamp_jitter(recording: Recording) -> Iterator[Finding]:
         message = f"stamps jitter by {1e3 * jitter:.3g} ms, and angles are smooth without: they are times of arrival"
         remedy = "log the stamps of the sensors, or even ones (numpy.linspace) where no sample is missing"
         yield Finding("stamp-jitter", "", jitter, "s", "warning", message, remedy)
+
+
+def loop_gaps(closure: Closure, recording: Recording) -> Iterator[Finding]:
+    """Find loops that measured angles of dependent joints leave open; those of the others follow from the loops."""
+    names = list(closure.model.names)[1:]
+    used = names if {*closure.joint_names} <= {*recording.joint_names} else without_side(names)
+    places = [recording.joint_names.index(name) if name in recording.joint_names else -1 for name in used]
+    measured = [j for j in closure.dependent if places[j] >= 0]
+    if not measured:
+        return
+    q = recording.q[:: 1 + len(recording) // 500]  # spread evenly
+    poses, closed = closure.solve(q[:, [places[j] for j in closure.independent]])
+    poses[:, measured] = q[:, [places[j] for j in measured]]
+    gaps = closure.gap(poses[closed])
+    for loop, gap in zip(closure.loops.loops, gaps.T, strict=True):
+        size, scatter = float(np.sqrt(np.mean(gap**2))), float(np.std(gap))
+        if size > 1e-3:  # [m]; encoders and play leave less
+            message = (
+                f"loop {loop.name} is open by {1e3 * size:.2g} mm at the measured angles of "
+                f"{', '.join(names[j] for j in measured)} ({1e3 * scatter:.1g} mm of it changes with the pose)"
+            )
+            remedy = "measure the points of the loop, and the zeros of these encoders; what changes may be play"
+            yield Finding("loop-gap", "", size, "m", "warning", message, remedy)

@@ -21,7 +21,6 @@ from .patterns import ALWAYS, PLAIN, Columns, absent, terms_of, zeros_of
 from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 ALIKE = 1.03  # ratio of errors up to which models predict alike, by seeds below 100 of the proving ground
-SYMMETRIC = 1e-4  # |Y| over |X| of the URDF up to which it says that a segment is symmetric: that of rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +112,8 @@ def _ends(search: Search, progress: Callable[[float], None]) -> list[tuple[Candi
     if search.late:
         ends = [min(*ends, end("by joint", search, 0.25), key=lambda one: one[0].error)]
     sizes = dict(zip(search.leg.parameter_names, search.leg.parameters.tolist(), strict=True))
-    wide = {name: SYMMETRIC * abs(sizes.get(f"X{name[1:]}", 0.0)) for name in sizes if name.startswith("Y")}
+    # a Y that is rounding says that the segment is symmetric
+    wide = {name: 1e-4 * abs(sizes.get(f"X{name[1:]}", 0.0)) for name in sizes if name.startswith("Y")}
     symmetric = {name: sizes[name] for name, bound in wide.items() if abs(sizes[name]) < bound}
     if symmetric.keys() - search.known.keys():
         knowing = replace(ends[0][1].search, known={**symmetric, **search.known})
@@ -134,14 +134,14 @@ def _scored(search: Search, name: str, choice: Choice) -> Candidate:
     known |= search.known
     try:  # joints are loaded by the rigid bodies of the choice
         design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])
-        found = held_out_errors(design, search.recordings, search.folds)
+        nrmse, of_folds, fast = held_out_errors(design, search.recordings, search.folds)
     except ExoidError as error:
         nothing, folds = np.full(len(choice.columns), np.nan), np.full(search.folds, np.nan)
         return Candidate(name, terms, known, delay, 0, error.what, nothing, folds, nothing)
-    failure = "" if np.isfinite(found.folds).all() else "rows are too few for all folds"
+    failure = "" if np.isfinite(of_folds).all() else "rows are too few for all folds"
     settings = [{(key, getattr(c, key)) for c in one for key in ("length", "velocity")} for one in choice.columns]
     numbers = len(choice.base) + sum(map(len, choice.columns)) + sum(bool(x) for one in settings for _, x in one)
-    return Candidate(name, terms, known, delay, numbers - len(search.known), failure, *found)
+    return Candidate(name, terms, known, delay, numbers - len(search.known), failure, nrmse, of_folds, fast)
 
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:

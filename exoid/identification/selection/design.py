@@ -19,8 +19,6 @@ from exoid.torques.terms import SLOW
 
 from .patterns import Column, Columns
 
-REST = 0.3  # a joint that is slower than at a reversal for so long rests [s]; by seeds below 100 of the proving ground
-
 
 class Design(NamedTuple):
     """Rows of all recordings, sampled as sparsely as the filter allows."""
@@ -89,9 +87,10 @@ def form_design(
 
 
 def _rests(prepared: Prepared) -> NDArray[np.bool_]:
-    """Select samples at which a joint rests, slow for at least :data:`REST`, (N, n)."""
-    # What holds a joint at rest is anything between -c0 and c0: any form that fits it has learnt noise.
-    v, count = prepared.motion.v, max(2, round(REST / float(np.median(np.diff(prepared.time)))))
+    """Select samples at which a joint rests, slower than at a reversal for at least 0.3 s, (N, n)."""
+    # What holds a joint at rest is anything between -c0 and c0: any form that fits it has learnt noise. That time was
+    # chosen by seeds below 100 of the proving ground.
+    v, count = prepared.motion.v, max(2, round(0.3 / float(np.median(np.diff(prepared.time)))))
     slow = np.abs(v) <= np.minimum(USUAL.reversal_speed, SLOW * np.sqrt(np.mean(v**2, axis=0)))
     return np.asarray(scipy.ndimage.binary_opening(slow, np.ones((count, 1), dtype=np.bool_)))
 

@@ -59,17 +59,12 @@ def fold_of(blocks: Blocks, design: Design) -> Fold:
     return Fold(~near, tested)
 
 
-class HeldOut(NamedTuple):
-    """Errors on rows that were not fitted."""
-
-    nrmse: FloatArray  # NRMSE of each joint over all folds, (n,); not a number for a passive one
-    folds: FloatArray  # NRMSE averaged over the joints, of each fold, (K,)
-    extrapolation: FloatArray  # NRMSE of the fastest seconds predicted from the others, (n,)
-
-
-def held_out_errors(fitted: Design, recordings: Sequence[Recording], folds: int) -> HeldOut:
+def held_out_errors(
+    fitted: Design, recordings: Sequence[Recording], folds: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Predict each stretch of the recordings from the others, with the friction models of a design."""
-    # weighted means of the torques around each row, up to the ends of segments
+    # NRMSE of each joint over all folds, (n,); averaged over the joints, of each fold, (K,); and of the fastest
+    # seconds, (n,). Compared are weighted means of the torques around each row, up to the ends of segments.
     gain = fitted.gain[:, None]
     friction = tuple(F / gain for F in fitted.friction)
     compared = fitted._replace(tau=fitted.tau / fitted.gain, base=fitted.base / gain, friction=friction)
@@ -83,7 +78,7 @@ def held_out_errors(fitted: Design, recordings: Sequence[Recording], folds: int)
     fast, fast_torque, fast_moves = _residuals(fast_blocks(recordings), fitted, compared)
     extrapolation = rms(fast, fast_moves) / _spread(fast_torque, fast_moves)
     nrmse, extrapolation = (np.where(still, np.nan, x) for x in (rms(left, moves) / spread, extrapolation))
-    return HeldOut(nrmse, of_folds, extrapolation)
+    return nrmse, of_folds, extrapolation
 
 
 def rms(rows: FloatArray, moves: NDArray[np.bool_]) -> FloatArray:

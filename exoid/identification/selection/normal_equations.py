@@ -16,7 +16,6 @@ from exoid.regression.least_squares import TINY
 from .design import Design
 
 RIDGE = 1e-10  # added to the diagonal, relatively: columns of one joint at neighbouring settings are nearly dependent
-HELD = 1e8  # information about a known parameter, over that of all rows
 
 Active = Sequence[NDArray[np.intp]]
 """Indices of the friction columns of each joint that are fitted."""
@@ -39,7 +38,7 @@ class NormalEquations(NamedTuple):
         base = np.sum([a.T @ b for a, b in zip(weighted, design.base, strict=True)], axis=0)
         torque = np.sum([a.T @ t for a, t in zip(weighted, design.tau, strict=True)], axis=0)
         for k, value in design.known.items():
-            sure = HELD * base[k, k]
+            sure = 1e8 * base[k, k]  # information about a known parameter, far above that of all rows
             base[k, k] += sure
             torque[k] += sure * value
         return cls(
@@ -74,13 +73,6 @@ class NormalEquations(NamedTuple):
 
     def _factored(self, active: Active) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cholesky factor of the matrix of base and active friction columns, its scale, and the right-hand side."""
-        table, right = self._table(active)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
-        L = np.linalg.cholesky(table * scale * scale[:, None] + RIDGE * np.eye(len(table)))
-        return np.asarray(L), scale, right
-
-    def _table(self, active: Active) -> tuple[FloatArray, FloatArray]:
-        """Matrix of base and active friction columns, and the right-hand side."""
         count = len(self.base)
         ends = np.cumsum([count, *(len(k) for k in active)])
         table, right = np.zeros((ends[-1], ends[-1])), np.zeros(ends[-1])
@@ -91,7 +83,9 @@ class NormalEquations(NamedTuple):
             table[rows, :count] = table[:count, rows].T
             table[rows, rows] = self.friction[joint][np.ix_(columns, columns)]
             right[rows] = self.friction_torque[joint][columns]
-        return table, right
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(table), TINY))
+        L = np.linalg.cholesky(table * scale * scale[:, None] + RIDGE * np.eye(len(table)))
+        return np.asarray(L), scale, right
 
 
 class JointEquations(NamedTuple):

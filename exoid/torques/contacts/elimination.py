@@ -15,20 +15,6 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import ball_radius
 from exoid.leg.torso import MovingBase
 
-POSES = 5
-"""Random poses of which the independent constraints are counted."""
-
-ALIGNED = 0.2
-"""Least part of each axis of closed chains that is left in the directions in which a sample can move."""
-
-
-NO_CONSTRAINT = 1e-18
-"""Stands for the square of a singular value of constraints that is zero: such a sample is not used."""
-
-
-KEPT_BYTES = 2**25
-"""Bytes of eliminations that are kept, the newest."""
-
 
 class Elimination(NamedTuple):
     """Combinations of rows that links on the ground do no work on, Zᵀ J_cᵀ = 0."""
@@ -56,50 +42,41 @@ class Elimination(NamedTuple):
         return np.asarray(np.einsum("kjn,jsn->ksn", out, along))
 
 
-_kept: dict[Hashable, Elimination] = {}
+_kept: dict[Hashable, Elimination] = {}  # the newest, up to 32 MiB
 
 
 def eliminate(
     leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None = None, base: MovingBase | None = None
 ) -> Elimination:
     """Find the rows that unknown wrenches on links leave."""
-    up = base.up if isinstance(base, BaseKinematics) and any(ball_radius(leg, link) for link in links) else None
-    # Torque and columns of a recording ask for the same poses, and so do fits that differ in torque or sensor alone.
-    key = (leg, *links, q.shape, q.tobytes(), *(b"" if x is None else x.tobytes() for x in (axes, up)))
-    if key not in _kept:
-        found = _eliminate(leg, links, q, axes, up)
-        _kept[key] = found
-        while sum(part.nbytes for each in _kept.values() for part in each if part is not None) > KEPT_BYTES:
-            del _kept[next(iter(_kept))]
-        return found
-    return _kept[key]
-
-
-def _eliminate(
-    leg: Leg, links: Sequence[str], q: FloatArray, axes: FloatArray | None, up: FloatArray | None
-) -> Elimination:
-    """Find the rows, of poses that were not asked for just before."""
     # A flat link fixes the base: ν_b = −K q̇ with K = J_b⁻¹ J_q. Each further link has J_q − J_b K = C with
     # C q̇ = 0. Joint rates that fulfil it are the null space of C, with the projector P. Their basis Z = P E
     # (Eᵀ P E)^(−1/2) varies smoothly, and is orthonormal, so that each row has the noise of one joint's torque.
     # Points and edges leave the base free to turn: then C is the whole Jacobian, and the base moves among the rates.
     # Constraints and their forces are those of Featherstone (2008, ch. 8), the projector that of Aghili (2005).
     # Mistry et al. (2010) find such rows by QR of J_cᵀ; all choices span the same space (Righetti et al. 2011).
-    fit = np.ones(len(q), dtype=np.bool_)
+    up = base.up if isinstance(base, BaseKinematics) and any(ball_radius(leg, link) for link in links) else None
+    # Torque and columns of a recording ask for the same poses, and so do fits that differ in torque or sensor alone.
+    key = (leg, *links, q.shape, q.tobytes(), *(b"" if x is None else x.tobytes() for x in (axes, up)))
+    if key in _kept:
+        return _kept[key]
     lever, C = _constraints(leg, links, q, up)
-    if C is None:
-        return Elimination(lever, None, fit)
-    squares, U = np.linalg.eigh(C @ np.swapaxes(C, 1, 2))
-    rank = _rank(leg, links)
-    kept = squares[:, -rank:]
-    # Least singular value of the constraints of a sample that is used: at a straight knee a foot can hardly
-    # move up
-    fit &= kept[:, 0] > 0.03**2 * kept[:, -1]
-    held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, NO_CONSTRAINT))[..., np.newaxis]
-    P = np.eye(C.shape[2]) - np.swapaxes(held, 1, 2) @ held
-    E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
-    loop, aligned = _orthonormal(P, E)
-    return Elimination(lever, loop, fit & aligned)
+    found = Elimination(lever, None, np.ones(len(q), dtype=np.bool_))
+    if C is not None:
+        squares, U = np.linalg.eigh(C @ np.swapaxes(C, 1, 2))
+        rank = _rank(leg, links)
+        kept = squares[:, -rank:]
+        fit = kept[:, 0] > 0.03**2 * kept[:, -1]  # at a straight knee a foot can hardly move up
+        # zero is the constraint of a sample that is not fit
+        held = np.swapaxes(U[..., -rank:], 1, 2) @ C / np.sqrt(np.maximum(kept, 1e-18))[..., np.newaxis]
+        P = np.eye(C.shape[2]) - np.swapaxes(held, 1, 2) @ held
+        E = _reference(P[fit] if fit.any() else P, P.shape[1] - rank) if axes is None else axes
+        loop, aligned = _orthonormal(P, E)
+        found = Elimination(lever, loop, fit & aligned)
+    _kept[key] = found
+    while sum(part.nbytes for each in _kept.values() for part in each if part is not None) > 2**25:
+        del _kept[next(iter(_kept))]
+    return found
 
 
 def load_sharing(loop: FloatArray, axes: FloatArray) -> FloatArray:
@@ -109,11 +86,11 @@ def load_sharing(loop: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def _orthonormal(P: FloatArray, E: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Project axes, P E (Eᵀ P E)^(−1/2), and tell where enough of each axis is left."""
-    PE = P @ E
+    """Project axes, P E (Eᵀ P E)^(−1/2), and tell where a fifth of each axis is left at least."""
+    PE, least = P @ E, 0.2
     parts, turns = np.linalg.eigh(E.T @ PE)
-    roots = (turns / np.sqrt(np.maximum(parts, ALIGNED))[:, None, :]) @ np.swapaxes(turns, 1, 2)
-    return PE @ roots, parts.min(axis=1, initial=1.0) > ALIGNED
+    roots = (turns / np.sqrt(np.maximum(parts, least))[:, None, :]) @ np.swapaxes(turns, 1, 2)
+    return PE @ roots, parts.min(axis=1, initial=1.0) > least
 
 
 def _constraints(
@@ -132,12 +109,11 @@ def _constraints(
 
 
 def _rank(leg: Leg, links: Sequence[str]) -> int:
-    """Number of independent constraints of closed chains in a pose without symmetries."""
-    poses = np.random.default_rng(0).standard_normal((POSES, len(leg.joint_names)))
+    """Number of independent constraints of closed chains in a pose without symmetries, the most of five by chance."""
+    poses = np.random.default_rng(0).standard_normal((5, len(leg.joint_names)))
     _, C = _constraints(leg, links, poses)
     assert C is not None
-    # Singular values of the constraints below this part of the largest are those of directions that cannot move
-    # anyway
+    # smaller singular values are those of directions that cannot move anyway
     return int(np.linalg.matrix_rank(C, rtol=1e-6).max())
 
 

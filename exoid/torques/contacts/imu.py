@@ -28,62 +28,11 @@ TURNING = 0.06
 ENDS = 0.07
 """Time at both ends of a rest that the differentiation of the pose draws on [s]."""
 
-LEANING = 0.15
-"""A foot that leans beside most of its rest by more than this part of gravity [m/s²] has tipped onto heel or toe."""
-
 ROCKS = 0.05
 """Feet that lean otherwise by more than this part of gravity [m/s², standard deviation], 5 mrad, rock."""
 
-APART = 0.03
-"""Rests of a foot that tell biases which differ by more than this [m/s²] tell none.
-
-Of 17 seeds below 20 of `study_stance.py --walkers`, feet that rock differ by 0.040 to 0.069, others by at most 0.021.
-"""
-
-PIECE = 1.5
-"""Longest part of a rest that counts as one [s]: a foot that rocks leans otherwise in the next."""
-
-BESIDE, FARTHEST, EXPLAINED = 0.03, 0.5, 0.05
-"""A sensor is elsewhere by more than the first and less than the second [m], if that explains so much of what is quick
-in its difference from the feet (variance), over all recordings.
-
-Of nine walkers of `study_stance.py --walkers` (seeds 20 to 33) with right places it explains 0.015 at most, with places
-7 cm off 0.095 at least. Feet that rock explain 0.5, but by a place 0.75 m away: the ground.
-"""
-
-DELAYED = 0.45
-"""A sensor is late where that explains more than this part of the same (variance), in one recording.
-
-In logs of walkers of seeds 20 to 34 it explains at most 0.07 on time, 0.28 on soft ground, and at least 0.58 of 20 ms;
-where feet rock, nothing.
-"""
-
-NEARER, PUSH, LEANS = 0.3, 0.05, 0.06
-"""Other axes of a sensor, or another foot, explain its readings where they leave less than the first part of what is
-left as logged (median); what 1 m/s² counts as beside a turn [rad/s]; and what a lean of 7° explains as well [rad/s].
-
-Of walkers of seeds 20 to 34, healthy ones leave 1.0, turned sensors 0.02 to 0.1 and interchanged feet 0.03.
-"""
-
-MOUNTED = 0.06
-"""A sensor whose rates follow those of the base about an axis that is off by more than this [rad] is mounted so.
-
-Of ten walkers, seeds 20 to 34 and 1001, with all kinds of ground, it is off by 0.004 rad at most.
-"""
-
-SCALED, ALIKE, DEAD = 1.1, 0.98, 0.03
-"""Scale of a gyroscope, or its inverse, that is wrong; correlation with the turns of the base at which it is believed;
-and scale of one that is dead, or that reads rad/s as degrees.
-
-Of 17 walkers, seeds 20 to 34, 1001 and 1002, with all kinds of ground, those so much alike have scales of 0.96 to 1.03.
-"""
-
-TURNS = [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
-AXES = np.array(sorted(TURNS, key=np.linalg.det, reverse=True))
-"""Axes that a sensor may have in those of the root link, right-handed ones first."""
-
-FEW = 3
-"""From so many rests on, standard deviations follow from their differences, where these are larger."""
+DEAD = 0.03
+"""Scale of a gyroscope that is dead, or that reads rad/s as degrees."""
 
 
 class ImuErrors(NamedTuple):
@@ -133,12 +82,13 @@ def imu_errors(
     shares = np.array([len(gyro) for gyro, *_ in rests]) / len(of_gyro)  # pieces of some samples say little
     spread = shares @ (means - shares @ means) ** 2
     apart = float(np.sqrt(spread[3:].sum()))
-    if apart > APART:
+    # Of 17 walkers, seeds below 20, biases that feet tell differ by 0.040 to 0.069 m/s² where they rock, else by 0.021
+    if apart > 0.03:
         return ImuErrors(np.zeros(3), np.zeros(3), np.full(6, np.inf), rocks=apart / GRAVITY)
     gyro, force = (np.zeros(3) if _within_scatter(x) else x.mean(axis=0) for x in (of_gyro, of_force))
     left = (x - (x.mean(axis=0) if _within_scatter(x) else 0.0) for x in (of_gyro, of_force))
     std = np.repeat([x.std() / np.sqrt(len(x)) for x in left], 3)
-    if len(means) >= FEW:  # rests differ by more than white noise
+    if len(means) > 2:  # rests may differ by more than white noise
         std = np.maximum(std, np.sqrt(spread / (1.0 / (shares @ shares) - 1.0)))
     return ImuErrors(gyro, force, std, turn=turns.mean(axis=0))
 
@@ -156,19 +106,21 @@ def refuse_turned(
             continue
         rows = rows[:: 1 + len(rows) // 2000]
         read, said = (_weighted(one, rate, rows) for one in (base, stands))
-        # Feet may roll, and sensors be biased: only what is far nearer for most of the time counts
+        # Feet may roll, and sensors be biased: only what is far nearer for most of the time counts. Right axes of a
+        # turned sensor leave 0.02 to 0.1 of what is left as logged, interchanged feet 0.03. Healthy sensors are turned
+        # by 0.004 rad, and scaled by 1.04 at most (walkers, seeds 20 to 34, 1001 and 1002, with all kinds of ground).
         apart = _apart(read, said)
-        what, remedy, least, turned, scale = "", "", min(NEARER * apart, TURNING), np.zeros(3), 1.0
+        what, remedy, least, turned, scale = "", "", min(0.3 * apart, TURNING), np.zeros(3), 1.0
         if said[:, :3].std(axis=0).max() > TURNING / 3.0:
             turned, scale = _followed(read[:, :3], said[:, :3])
-        if apart > LEANS and scale > DEAD:
+        if apart > 0.06 and scale > DEAD:  # a lean of 7° explains as much [rad/s]
             others = {other: x for other, x in still.items() if not resting[other][rows].any()}
             for other, meaning, advice in _explanations(leg, log, link, [read, said], others, rows):
                 if (left := _apart(read, other)) < least:  # others are more far-fetched
                     what, remedy, least = meaning, advice, 0.5 * left
-        if not what and np.linalg.norm(turned) > MOUNTED:
+        if not what and np.linalg.norm(turned) > 0.06:
             what, remedy = _mounting(turned)
-        elif not what and abs(np.log(max(scale, 1e-9))) > np.log(SCALED):
+        elif not what and abs(np.log(max(scale, 1e-9))) > np.log(1.1):
             what = f"the gyroscope of the base reads {scale:.2g} times what the base turns on {link}"
             remedy = "look at its unit, range and connection, or leave its columns out: feet then tell the motion"
         if what:
@@ -182,7 +134,10 @@ def _explanations(
     assert log.base is not None
     remedy, rate = "give readings in the axes of the root link (rotation=, or other columns and signs)", log.sample_rate
     read, said = (x.reshape(-1, 3) for x in pair)
-    for turn in AXES:
+    signed = (
+        np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)
+    )
+    for turn in sorted(signed, key=np.linalg.det, reverse=True):  # right-handed axes first
         axes = ", ".join(("-" if sum(x) < 0.0 else "") + "xyz"[int(np.argmax(np.abs(x)))] for x in turn.T)
         what = f"the base's sensor turns against {link}, which stands: x, y and z of the root link are its {axes}"
         yield (said @ turn.T).reshape(-1, 6), what, remedy
@@ -212,8 +167,8 @@ def _mounting(turned: FloatArray) -> tuple[str, str]:
 
 
 def _weighted(base: BaseMotion, rate: float, rows: NDArray[np.intp]) -> FloatArray:
-    """Smooth readings, with weights that make turns and pushes count alike, (N, 6)."""
-    smooth = scipy.ndimage.gaussian_filter1d(base.columns * np.repeat([1.0, PUSH], 3), 0.04 * rate, axis=0)
+    """Smooth readings, of which 1 m/s² counts as much as a turn of 0.05 rad/s, (N, 6)."""
+    smooth = scipy.ndimage.gaussian_filter1d(base.columns * np.repeat([1.0, 0.05], 3), 0.04 * rate, axis=0)
     return np.asarray(smooth[rows])
 
 
@@ -227,7 +182,7 @@ def _followed(read: FloatArray, said: FloatArray) -> tuple[FloatArray, float]:
     # readings that follow little, or against the base, are those of another motion: the foot rolls
     sure = np.linalg.norm(follows) > 0.5 and axis @ follows > 0.0 and length > 0.0
     scale = float(np.linalg.norm(x) / np.linalg.norm(y))
-    alike = scale < DEAD or axis @ follows > ALIKE * scale
+    alike = scale < DEAD or axis @ follows > 0.98 * scale  # the correlation of both
     return normal * (np.arctan2(length, axis @ follows) / length if sure else 0.0), scale if alike else 1.0
 
 
@@ -266,14 +221,17 @@ def turns_on_feet(
 def beside(turns: FloatArray) -> FloatArray:
     """Find how far a sensor is from its place, as turns on flat feet tell; in axes of the base [m], (3,), or zero."""
     place = np.linalg.pinv(turns[:3, :3], rcond=0.01, hermitian=True) @ turns[:3, 4]  # turns about one axis tell two
-    explained = float(place @ turns[:3, 4])
-    told = BESIDE < np.linalg.norm(place) < FARTHEST and explained > EXPLAINED * turns[4, 4]
+    # Of what is quick in the difference from the feet (variance), right places explain 0.015 at most, and places 7 cm
+    # off 0.095 at least (nine walkers, seeds 20 to 33). Feet that rock explain 0.5, by a place 0.75 m away: the ground.
+    told = 0.03 < np.linalg.norm(place) < 0.5 and float(place @ turns[:3, 4]) > 0.05 * turns[4, 4]
     return place if told else np.zeros(3)
 
 
 def late(turns: FloatArray) -> float:
     """Find how much later than the angles a sensor reads, as turns on flat feet tell [s], or zero."""
-    told = turns[3, 4] ** 2 > DELAYED * turns[3, 3] * turns[4, 4]
+    # Of the same variance, in one recording, a delay explains 0.07 at most on time, 0.28 on soft ground, nothing where
+    # feet rock, and 0.58 at least where it is 20 ms (walkers, seeds 20 to 34).
+    told = turns[3, 4] ** 2 > 0.45 * turns[3, 3] * turns[4, 4]
     return float(turns[3, 4] / turns[3, 3]) if told else 0.0
 
 
@@ -285,16 +243,16 @@ def _within_scatter(differences: FloatArray) -> bool:
 
 def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate: float) -> list[list[FloatArray]]:
     """Differences of gyroscope and of accelerometer from a foot that is flat, and turns of level axes to the base."""
-    # of each rest, and of each piece of a long one
+    # of each rest, and of each piece of a long one: a foot that rocks leans otherwise in the next
     assert still.pose is not None
     aside, flat = np.hsplit(base.columns - still.columns, 2), flags
-    # a foot that rolls turns, and one that has tipped onto heel or toe leans: most of the time it does neither
-    for difference, width in zip(aside, (TURNING, LEANING), strict=True):
+    # a foot that rolls turns, and one that has tipped onto heel or toe leans, by so much [m/s²]: mostly it does neither
+    for difference, width in zip(aside, (TURNING, 0.15), strict=True):
         smooth = scipy.ndimage.uniform_filter1d(difference, max(1, round(ENDS * rate)), axis=0)
         middle = np.array([_densest(of_axis, width) for of_axis in smooth[flags].T])
         flat = flat & (np.linalg.norm(smooth - middle, axis=1) < width)
     places = np.flatnonzero(scipy.ndimage.binary_erosion(flat, iterations=max(1, round(ENDS * rate))))
-    cuts = np.flatnonzero((np.diff(places) > 1) | (np.diff(places // round(PIECE * rate)) > 0)) + 1
+    cuts = np.flatnonzero((np.diff(places) > 1) | (np.diff(places // round(1.5 * rate)) > 0)) + 1
     arrays = (*aside, np.swapaxes(still.pose.rotation, 1, 2))
     pieces = zip(*(np.split(array[places], cuts) for array in arrays), strict=True)
     return [list(piece) for piece in pieces if len(piece[0])]

@@ -30,12 +30,6 @@ LOOK = 8.0
 BASELINE = 0.8
 """Window of the running median of the velocity [s]: slips shorter than half of it stand out, drift does not."""
 
-SEEN, EDGE_OF_SLIP = 6.0, 3.0
-"""A slip is faster than so many standard deviations somewhere, and lasts while it is faster than so many."""
-
-SLOWEST = 1e-3
-"""Standard deviation of the velocity of a foot that rests [m/s], at least: soft soles move as much."""
-
 
 class Slip(NamedTuple):
     """Samples at which a link that is said to rest slides, as an inertial measurement unit sees it."""
@@ -83,8 +77,9 @@ def sliding(
     """Find slips that all feet make alike, by the measured motion of the base beside that on a foot at rest."""
     # The specific force f of an IMU, less that of a base on a foot that rests, is the acceleration of this foot. Its
     # integral is the velocity s of the foot, beside a drift by bias, tilt and noise that a running median takes out. A
-    # slip is a generalised likelihood ratio test at each sample, s²/σ² > 6², with σ by the median size of s itself.
-    slides, visible = np.zeros(len(base), dtype=np.bool_), 0.0
+    # slip is a generalised likelihood ratio test at each sample, s²/σ² > 6², with σ by the median size of s itself. It
+    # lasts while s is beyond 3 σ.
+    slides, visible, seen = np.zeros(len(base), dtype=np.bool_), 0.0, 6.0
     for link, flags in resting.items():
         inner = scipy.ndimage.binary_erosion(flags, iterations=max(1, round(ENDS * rate)))
         changes = np.flatnonzero(np.diff(inner, prepend=False, append=False)).reshape(-1, 2).tolist()
@@ -94,12 +89,12 @@ def sliding(
             continue
         along = np.einsum("nij,nj->ni", pose.rotation[:, :2], aside)  # the ground, in level axes
         speeds = [_velocity(along[run], rate) for run in runs]
-        std = np.maximum(robust_std(np.vstack(speeds)), SLOWEST)
+        std = np.maximum(robust_std(np.vstack(speeds)), 1e-3)  # soft soles move as much [m/s]
         for run, speed in zip(runs, speeds, strict=True):
             over = (np.abs(speed) / std).max(axis=1)
-            pieces, _ = scipy.ndimage.label(over > EDGE_OF_SLIP)
-            slides[run] |= np.isin(pieces, np.unique(pieces[over > SEEN]))
-        visible = max(visible, SEEN * float(std.max()))
+            pieces, _ = scipy.ndimage.label(over > 3.0)
+            slides[run] |= np.isin(pieces, np.unique(pieces[over > seen]))
+        visible = max(visible, seen * float(std.max()))
     return Slip(slides, visible)
 
 

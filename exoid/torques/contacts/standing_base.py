@@ -22,9 +22,6 @@ def level_rotation(leg: Leg, link: str) -> FloatArray:
     return np.asarray(link_placements(leg, np.zeros((1, len(leg.joint_names))), link).rotation[0])
 
 
-CUTOFF = 15.0
-"""Cut-off frequency of the motion [Hz], above that of the filter that follows."""
-
 LEVEL = np.deg2rad(0.5)
 """Standard deviation of the lean of ground that is taken for level, about each axis [rad]."""
 
@@ -50,7 +47,7 @@ def standing_base(
     if pivot is not None:
         place += pivot - leans @ pivot
     quaternion = scipy.spatial.transform.Rotation.from_matrix(turn).as_quat()
-    cutoff = min(0.2 * recording.sample_rate, CUTOFF)
+    cutoff = min(0.2 * recording.sample_rate, 15.0)  # [Hz], above that of the filter that follows
     try:
         found = BaseMotion.from_pose(place, quaternion, recording.time, cutoff=cutoff)
     except BadArgumentError:  # only a jump of an angle turns a base so fast

@@ -32,12 +32,6 @@ EDGE = 0.1
 Shorter gaps of a contact are filled.
 """
 
-LATE = 0.05
-"""A foot may be down so long before its switch closes, or after it opened [s]."""
-
-SETTLING = 0.03
-"""A foot slips and rings for so long after a touch-down [s]; 0.02 is too short, see scripts/study_heel_toe.py."""
-
 SHORTEST = 0.15
 """Supports that last less than this in a recording [s] are left out."""
 
@@ -124,12 +118,13 @@ def split(
     edge, around = (round(share * EDGE * recording.sample_rate) for share in (1.0, 0.5))
     lasting = np.convolve(np.broadcast_to(changes, len(recording)), np.ones(2 * edge))[edge:][: len(recording)] < 0.5
     # A touch-down is a jolt, which the low-pass of the angles smears over so many samples on either side: both sides of
-    # the equation differ there. At a lift-off nothing jumps. The force of a foot counts as unknown for longer than its
-    # contact: a force that is zero may be eliminated, too, and a switch may be late.
+    # the equation differ there. For 0.03 s more the foot slips and rings; 0.02 s are too few, see
+    # scripts/study_heel_toe.py. At a lift-off nothing jumps. The force of a foot counts as unknown for 0.05 s longer
+    # than its contact: a force that is zero may be eliminated, too, and a switch may be late.
     smeared = max(1, (preparation or ZeroPhase()).kinematics(recording).valid.start)
-    settling, near = round(SETTLING * recording.sample_rate), smeared / recording.sample_rate + SETTLING
-    steady = ~scipy.ndimage.binary_dilation(touch_downs(leg, rest, len(recording), settling), None, smeared)
-    beside = smeared + round(LATE * recording.sample_rate)
+    ringing, near = round(0.03 * recording.sample_rate), smeared / recording.sample_rate + 0.03
+    steady = ~scipy.ndimage.binary_dilation(touch_downs(leg, rest, len(recording), ringing), None, smeared)
+    beside = smeared + round(0.05 * recording.sample_rate)
     longer = {link: scipy.ndimage.binary_dilation(x, iterations=beside) for link, x in (unknown | rest).items()}
     down = whole_feet(leg, longer)
     if leg.base_rows and recording.base is None:

@@ -25,7 +25,7 @@ def test_a_vertical_bias_is_found(bias):
     assert kinds(biased(log, (0.0, 0.0, bias)))["gravity-size"] == pytest.approx(bias, abs=0.03)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(6))
 def test_nothing_is_said_of_a_correct_sensor(seed):
     walk = Walk(exoid.load_leg("bleex"), seconds=30.0, rate=100.0, seed=seed, pitch=0.1 + 0.1 * seed)
     assert "gravity-size" not in kinds(walk.recording())
