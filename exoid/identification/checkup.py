@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -26,7 +25,7 @@ from .findings.score import in_half_widths
 from .findings.search import delays, find_faults
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import torque_delays
+from .row_changes import changed, torque_delays
 
 
 def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
@@ -56,7 +55,7 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     if all(isinstance(one, Poses) or one.a is not None for one in every):
         return fitted
     try:
-        problems = (_with_motions(problem, partial(_noisier, np.random.default_rng(0), x)) for x in (1.0, -1.0))
+        problems = (changed(problem, partial(_noisier, np.random.default_rng(0), x)) for x in (1.0, -1.0))
         noisy = [fit_linear(each, estimator).fit.solution.values for each in problems]
     except ExoidError:
         return fitted
@@ -79,21 +78,13 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
 
 
 def _noisier(rng: np.random.Generator, sign: float, _: Group, one: Recording) -> Recording:
-    """Add noise of its own size to a motion, of one sign or the other."""
+    """Add noise of its own size to a motion whose accelerations are derived, of one sign or the other."""
+    if one.a is not None:
+        return one
     noisy = replace(one, q=noisier(one.q, rng, sign))
     if one.base is None or one.base.pose is not None:
         return noisy
     return replace(noisy, base=noisier_base(one.base, rng, sign))
-
-
-def _with_motions(problem: Problem, change: Callable[[Group, Recording], Recording]) -> Problem:
-    """Change motions whose accelerations are derived; of many logs on disk a few remain."""
-
-    def changed(group: Group, one: Recording | Poses) -> Recording | Poses:
-        return change(group, one) if isinstance(one, Recording) and one.a is None else one
-
-    groups = (replace(group, data=[changed(group, one) for one in few_of(group.data)]) for group in problem.groups)
-    return replace(problem, groups=tuple(groups))
 
 
 def rounding_errors(
@@ -109,8 +100,8 @@ def rounding_errors(
         return none, ()
     try:
         again = (
-            _with_motions(problem, lambda _, one: one),
-            *(_with_motions(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8)),
+            changed(problem, lambda _, one: one),
+            *(changed(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8)),
         )
         fits = [fit_linear(each, estimator) for each in again]
     except ExoidError:
@@ -145,7 +136,9 @@ def rounding_repeats(q: FloatArray) -> bool:
 
 
 def _rounded_again(shift: float, group: Group, one: Recording) -> Recording:
-    """Add the rounding of counts that begin elsewhere."""
+    """Add the rounding of counts that begin elsewhere, where accelerations are derived."""
+    if one.a is not None:
+        return one
     assert group.preparation is not None
     count = np.array([max(quantum(x), 1e-9) for x in one.q.T])
     smooth = group.preparation.filter(one.q, one.sample_rate) / count + shift

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
 from exoid.signals import BaseMotion, Recording
-from exoid.torques import TorqueModel
 from exoid.torques.contacts.imu import CorrectedBase, ImuErrors
 from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_base, tilt_of_sole
 
+from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import Effects, RowChanges, changed, row_changes
 
@@ -169,16 +169,16 @@ def tilted(problem: Problem, footing: Footing, before: Footing | None = None) ->
         gone = before.imu
         imu = imu._replace(gyro_bias=imu.gyro_bias - gone.gyro_bias, force_bias=imu.force_bias - gone.force_bias)
 
-    def tilt(model: TorqueModel, one: Recording) -> Recording:
+    def tilt(group: Group, one: Recording) -> Recording:
         if isinstance(one.base, StandingBase):
-            return replace(one, base=footing.carried(model.leg, one, one.base.link))
+            return replace(one, base=footing.carried(group.model.leg, one, one.base.link))
         if isinstance(one.base, CorrectedBase) and one.base.pose is None:
             return replace(one, base=one.base.leaning(footing.lean))
         if one.base is None or not _may_be_biased(one.base):
             return one
         return replace(one, base=replace(imu.corrected(one.base), calibrated=False))
 
-    return changed(problem, range(len(problem.groups)), tilt)
+    return changed(problem, tilt)
 
 
 def _may_be_biased(base: BaseMotion | None) -> bool:

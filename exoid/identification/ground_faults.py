@@ -18,13 +18,13 @@ from exoid.regression.diagnostics import other_scale
 from exoid.regression.least_squares import scaled_inverse
 from exoid.signals import Recording, Wrench
 from exoid.signals.contacts import LEAST_LOAD
-from exoid.torques import TorqueModel
 from exoid.torques.contacts.standing_base import StandingBase
 
 from .findings.kinds import KINDS, Nuisance, without_offset
 from .findings.score import in_half_widths
 from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .footing import Footing, footing_effects
+from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import Effects, best_reading, changed, equations, residual
 
@@ -160,7 +160,7 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
 def _mended(problem: Problem, footing: Footing | None, kind: str, joint: int, size: float) -> Problem:
     """Take a fault of a size out of all recordings, or a lean of a fixed base out of the model."""
     if kind != "gravity-direction":
-        return changed(problem, range(len(problem.groups)), partial(_without, footing, kind, joint, size))
+        return changed(problem, partial(_without, footing, kind, joint, size))
     groups = []
     for group in problem.groups:
         leg, model = group.model.leg, group.model.leg.model.copy()
@@ -169,9 +169,7 @@ def _mended(problem: Problem, footing: Footing | None, kind: str, joint: int, si
     return replace(problem, groups=tuple(groups))
 
 
-def _without(
-    footing: Footing | None, kind: str, joint: int, size: float, model: TorqueModel, one: Recording
-) -> Recording:
+def _without(footing: Footing | None, kind: str, joint: int, size: float, group: Group, one: Recording) -> Recording:
     """Take a fault of a size out of a recording."""
     if kind in ("known-torque", "wrench-delay"):
         at = np.clip(one.time + size * (kind == "wrench-delay"), one.time[0], one.time[-1])
@@ -180,7 +178,7 @@ def _without(
         for link, x in _loaded(one).items():
             wrenches[link] = replace(x, force=factor * read(x.force)(at), moment=factor * read(x.moment)(at))
         return replace(one, wrenches=wrenches)
-    own = size * (np.arange(len(model.joint_names)) == joint)
+    own = size * (np.arange(len(group.model.joint_names)) == joint)
     if kind != "angle-offset":
         if one.tau is None:
             return one
@@ -189,4 +187,4 @@ def _without(
     one = replace(one, q=one.q - own)
     if footing is None or not isinstance(one.base, StandingBase):
         return one
-    return replace(one, base=footing.carried(model.leg, one, one.base.link))
+    return replace(one, base=footing.carried(group.model.leg, one, one.base.link))

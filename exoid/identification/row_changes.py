@@ -21,11 +21,11 @@ from exoid.regression.fit import wls
 from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
 from exoid.signals import Recording, without_torque_delay
-from exoid.torques import TorqueModel
 from exoid.torques.contacts.support_model import SupportModel
 
 from .findings.kinds import KINDS
 from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
+from .findings.sample import few_of
 from .group_rows import Group
 from .problem import Fitted, Problem
 
@@ -84,7 +84,7 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
         return np.zeros(len(joints)), np.zeros(len(joints))
 
     def shifted(delays: Mapping[int, float]) -> Problem:
-        return changed(problem, parts, lambda _, one: without_torque_delay(one, delays))
+        return changed(problem, lambda _, one: without_torque_delay(one, delays), parts)
 
     step = 2e-3  # [s]
     late = [shifted({joint: step}) for joint in range(len(joints))]
@@ -196,12 +196,15 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
     return Equations(information, right, prior, np.array([*scores.values()]), free, squares, len(blocks))
 
 
-def changed(problem: Problem, parts: Sequence[int], change: Callable[[TorqueModel, Recording], Recording]) -> Problem:
-    """Change the recordings of some groups."""
+def changed(
+    problem: Problem, change: Callable[[Group, Recording], Recording], parts: Sequence[int] | None = None
+) -> Problem:
+    """Change the recordings of some groups, of all if None; of many on disk a few remain."""
     groups = list(problem.groups)
-    for k in parts:
+    for k in range(len(groups)) if parts is None else parts:
         group = groups[k]
-        groups[k] = replace(group, data=tuple(change(group.model, one) for one in group.motions))
+        data = (change(group, one) if isinstance(one, Recording) else one for one in few_of(group.data))
+        groups[k] = replace(group, data=tuple(data))
     return replace(problem, groups=tuple(groups))
 
 
@@ -249,7 +252,7 @@ def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None =
 def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = None) -> FloatArray | None:
     """RMS residual of each row of some groups, with torques read otherwise; None where they cannot be fitted."""
 
-    def read(_: TorqueModel, one: Recording) -> Recording:
+    def read(_: Group, one: Recording) -> Recording:
         if reading is None or one.tau is None:
             return one
         return replace(one, tau=one.tau[:, list(reading.torque_order)] * reading.torques)
@@ -257,7 +260,7 @@ def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = No
     # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
     problem = replace(problem, given=replace(problem.given, nonnegative=True))
     try:  # a passive joint has no torque of another
-        problem = problem if reading is None else changed(problem, parts, read)
+        problem = problem if reading is None else changed(problem, read, parts)
         values = wls(problem).solution.values
     except (ExoidError, np.linalg.LinAlgError):
         return None
