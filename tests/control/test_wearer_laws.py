@@ -95,7 +95,7 @@ def felt_share(amplification, bandwidth, rate=1000.0):
     return share, np.sqrt(np.mean((felt - whole / amplification) ** 2) / np.mean(whole**2))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("amplification", [2.0, pytest.param(10.0, marks=pytest.mark.slow)])
 def test_the_wearer_feels_one_alphath_of_the_inertia(amplification):
     """The difference shrinks as the filter passes more: in proportion to its delay."""

@@ -110,6 +110,7 @@ def test_the_precision_of_any_stance_is_the_scatter_of_identifications(plan):
     assert_scatter_is_predicted(logs, model, information_of(model, logs, TorqueNoise(STD)).precision(model, scales))
 
 
+@pytest.mark.nightly
 def test_a_machine_follows_a_plan_on_flat_feet_and_is_identified(plan):
     """On one foot without a hand rail; an IMU tells how the torso moves on soles that give way a little."""
     pytest.importorskip("mujoco")

@@ -33,6 +33,7 @@ def with_imu(log, seed, noise=1.0):
     return replace(log.recording, base=BaseMotion(gyro, force))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("degrees", [pytest.param(0.5, marks=pytest.mark.nightly), -3.0])
 def test_the_lean_is_found_and_intervals_hold(exo, degrees):
     deviations = []
@@ -102,6 +103,7 @@ def rocking_logs(exo, sole, plates=False):
     return [replace(log.recording, wrenches=of_log) for log, of_log in zip(every, wrenches, strict=True)]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("sole", "plates"), [(np.zeros_like, False), (rocking, False), (rocking, True)])
 def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, sole, plates):
     """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""

@@ -165,6 +165,7 @@ def test_what_is_known_is_held_by_every_candidate(leg):
     assert found.estimate["X2"].std == 0.0
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("wrong", "chosen"), [(0.0, "by joint, Y2 of the URDF"), (0.05, "by joint")])
 def test_a_segment_that_the_urdf_says_is_symmetric_is_taken_for_it_unless_the_rows_speak_against_it(wrong, chosen):
     leg = exoid.load_leg("cuhk")
@@ -304,6 +305,7 @@ def test_what_is_selected_from_slow_motion_of_the_dfki_predicts_fast_motion(dfki
     assert (errors[0] <= 1.25 * errors[1]).all()
 
 
+@pytest.mark.nightly
 def test_torques_that_are_late_do_not_decide_on_friction(leg):
     late = recorded(leg, plain)
     late = replace(late, tau=np.vstack([late.tau[:2], late.tau[:-2]]))  # by 10 ms

@@ -44,6 +44,7 @@ def test_a_torque_that_is_late_beside_contacts_is_found_and_shifted(exo, runs):
     assert (np.abs(found.values - right.values) < right.std).all()
 
 
+@pytest.mark.nightly
 def test_standing_groups_share_parameters_and_have_some_of_their_own(exo, runs):
     """With other noise in each group, values agree; one whose offset differs has its own."""
     first, second = logs(runs, 0), logs(runs, 10)

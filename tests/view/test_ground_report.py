@@ -26,7 +26,7 @@ def estimate(exo, logs):
     return exoid.identify(exo, [log.recording for log in logs], terms=(Viscous(),))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_forces_of_both_feet_add_up_to_the_weight_and_agree_with_plates(exo, estimate, logs):
     both = logs[0]
     plates = replace(both.recording, wrenches=both.wrenches)

@@ -116,7 +116,7 @@ def test_a_recorded_pose_moves_the_torso(exo, log):
     np.testing.assert_allclose(weight[:3, 2], [0.0, 0.0, -1.0], atol=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_estimate_adds_predicted_forces_that_equal_exact_ones(exo, estimate):
     log = standing(exo, "left", seconds=4.0, seed=5)
     drawn = scene(estimate, recording=log.recording)

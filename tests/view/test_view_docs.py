@@ -8,7 +8,7 @@ PAGE = Page.read("docs/view.md")
 pytestmark = pytest.mark.skipif(not PAGE.python, reason="needs the source tree")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_commands_run_and_write_pages_of_the_size_that_is_said(tmp_path):
     assert len(PAGE.commands) == 5
     PAGE.run_commands(tmp_path)

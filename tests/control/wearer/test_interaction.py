@@ -153,7 +153,7 @@ def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(es
     assert np.allclose(found.torque[common], part.torque[inner], atol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_foot_on_the_ground_needs_a_measured_wrench():
     exo = exoid.load_exo("bleex", base="floating")
     options = {"seconds": 20.0, "noise": 0.4, "encoder": 1e-4}

@@ -37,7 +37,7 @@ def test_a_delay_that_stays_is_no_drift():
     assert kinds(exoid.check(leg, late(log, 0.03, [0, 1]))) == {"torque-delay"}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_long_log_of_which_parts_are_looked_at_has_one_clock(tmp_path):
     """Segments of 3 s are checked, in each of which the clocks part by less than a millisecond."""
     leg, log = clean("cuhk", seconds=60.0)

@@ -123,7 +123,7 @@ def errors(estimate, run):
     return {name: abs(estimate[name].value / true[name] - 1.0) for name in names}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_most_of_a_walk_counts_and_late_switches_do_no_harm(walk):
     leg = exoid.load_exo("bleex", base="floating")
     for delay in (0.0, 0.03):

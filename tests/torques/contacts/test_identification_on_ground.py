@@ -218,7 +218,7 @@ def test_a_sensor_is_late_or_early_also_where_no_bias_is_looked_for(exo, stance,
     assert (parts.imu is None) == calibrated
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("factor", [1.0, 0.5, 1.3])
 def test_a_recording_whose_torques_have_another_scale_is_named(exo, stance, factor):
     """Before, parameters of a walker were off by 87 standard deviations without a word."""
@@ -317,7 +317,7 @@ def test_a_foot_that_tips_over_does_not_hide_the_bias(exo):
         np.testing.assert_allclose(errors.gyro_bias, (0.0, 0.01, 0.0), atol=0.001)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_recording_without_rest_has_the_bias_of_its_session(exo, stance):
     """No foot rests in a swing: the bias of 1 % of gravity was 1 % of every X."""
     log = standing(exo, "left", seconds=15.0, seed=50, noise=NOISE, encoder=ENCODER, friction=friction)
@@ -470,7 +470,7 @@ def test_feet_whose_force_no_ground_bears_are_named(exo, estimate, change, named
     assert sorted(foot for each in found for foot in ("left_foot", "right_foot") if foot in each.message) == named
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_checks_say_what_is_wrong_with_contacts(exo, stance):
     both, left, right = stance
     logs = [strapped(exo, both), wrongly(left, "right_foot", True, 1), right.recording]

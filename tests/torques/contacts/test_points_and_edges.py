@@ -119,6 +119,7 @@ def walked():
     return exoid.identify(leg, logs, terms=(), check=False)
 
 
+@pytest.mark.nightly
 def test_a_quadruped_is_identified_from_point_feet_without_their_forces(walked):
     truth = quadruped().parameters
     error = np.abs(walked.values - truth)

@@ -90,6 +90,7 @@ def test_the_motion_says_when_a_foot_is_down():
     assert np.abs(touched[:, None] - closed).min(axis=1).max() < 0.05 * jumps.sample_rate
 
 
+@pytest.mark.nightly
 def test_switches_alone_identify_a_hopper_and_its_rail(tmp_path):
     drawn, leg = hopper()
     terms = study.TERMS

@@ -119,7 +119,7 @@ def test_without_an_imu_or_long_rests_nothing_is_looked_for(exo, still):
     assert split(exo, replace(log, contacts=dict.fromkeys(FEET, steps))).visible == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_estimate_reports_slips_and_does_not_follow_them(exo, still):
     terms = (exoid.Viscous(),)
     left = standing(exo, "left", seed=6, noise=0.4, encoder=ENCODER, rate=RATE)

@@ -87,7 +87,7 @@ def test_the_compliance_of_the_soles_is_found(estimates):
             assert high - low < 6e-5
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_truth_is_within_the_intervals_on_hard_and_soft_soles(exo, estimates):
     for estimate in estimates.values():
         count = len(exo.parameters)

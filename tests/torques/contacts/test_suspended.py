@@ -34,7 +34,7 @@ def short(support):
     return logs(support, 1, 2.0)[0]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_hook_hides_the_total_mass_and_nothing_else():
     leg = machine()
     mass, truth = leg.parameter_names[0], leg.parameters
@@ -45,7 +45,7 @@ def test_a_hook_hides_the_total_mass_and_nothing_else():
     assert np.mean(np.abs(found.values - truth)[1:] < 1.96 * found.std[1:]) > 0.9
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_in_flight_the_total_mass_is_weak_and_its_interval_says_so():
     leg = machine()
     found = exoid.identify(leg, logs("flight"), terms=(), check=False)
