@@ -15,9 +15,6 @@ from exoid.leg.model import joint_axis
 from .dialect import Dialect
 from .law_in_c import ArrayInC
 
-FARTHEST = 20.0
-"""Distance from the closed pose at which no pose is looked for [rad or m]: it bounds the time of a call."""
-
 
 class TreeInC(NamedTuple):
     """Rigid bodies of a leg that is no planar chain."""
@@ -30,7 +27,7 @@ class TreeInC(NamedTuple):
     converged: float  # last correction that ends Newton's method [rad or m]
     step: float = closure.STEP
     corrections: int = closure.CORRECTIONS
-    farthest: float = FARTHEST
+    farthest: float = 20.0  # distance from the closed pose at which none is looked for [rad or m]: it bounds the time
 
 
 def tree_in_c(leg: Leg, values: FloatArray, dialect: Dialect) -> TreeInC | None:

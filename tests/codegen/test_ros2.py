@@ -49,9 +49,9 @@ def built(tmp_path_factory):
         objects = folder.parent / "leg.o"
         include = (f"-I{folder / 'include'}", f"-I{STUBS}")
         run(COMPILER, "-std=c99", "-Wall", "-Wextra", "-Werror", "-c", *include, folder / "src/leg.c", "-o", objects)
-        parts = (folder / "src/controller.cpp", folder / "src/joint_state_node.cpp", STUBS / "run.cpp")
-        whole = folder.parent / "whole.cpp"  # the headers are read once
-        whole.write_text("".join(f'#include "{part}"\n' for part in parts))
+        controller, node = (f'#include "{folder}/src/{name}.cpp"' for name in ("controller", "joint_state_node"))
+        whole = folder.parent / "whole.cpp"  # the headers are read once; the node's own program is not run
+        whole.write_text("\n".join((controller, "#define main program", node, "#undef main", '#include "run.cpp"', "")))
         run(CPP, *STRICT, *include, whole, objects, "-o", folder.parent / "run")
         return package, folder.parent / "run"
 
@@ -195,7 +195,7 @@ def test_the_program_of_the_node_compiles_and_single_precision_too(tmp_path):
     folder = tmp_path / "Left-Leg"
     package = write_ros2(folder, laws()["gravity_support"], precision="float")
     assert package.prefix == "left_leg"
-    for source in ("controller.cpp", "joint_state_node.cpp", "joint_state_main.cpp"):
+    for source in ("controller.cpp", "joint_state_node.cpp"):
         include = (f"-I{folder / 'include'}", f"-I{STUBS}")
         run(CPP, *STRICT, "-fsyntax-only", *include, folder / "src" / source)
 

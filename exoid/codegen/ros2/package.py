@@ -37,14 +37,11 @@ TEMPLATES = {
     "CMakeLists.txt": "",
     "README.md": "",
     "controllers.yaml": "config/",
-    "controller.hpp": "include/{p}/",
-    "joint_state_node.hpp": "include/{p}/",
     "law.hpp": "include/{p}/",
     "messages.hpp": "include/{p}/",
     "package.xml": "",
     "plugin.xml": "",
     "controller.cpp": "src/",
-    "joint_state_main.cpp": "src/",
     "joint_state_node.cpp": "src/",
 }
 """Templates, and the folder of each file."""

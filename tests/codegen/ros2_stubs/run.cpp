@@ -1,13 +1,10 @@
-// Runs the controller or the node of package "leg" over rows of numbers: leg_run MODE IN OUT [PARAMETER=NUMBER,...]...
+// Runs the controller or the node of package "leg", whose sources stand above, over rows of numbers: leg_run MODE IN OUT [PARAMETER=NUMBER,...]...
 // Each row of IN: angles, velocities, reference, then a counter, whether a measurement and whether a reference is
 // written. Each row of OUT: torques, status, faults. MODE is chained, topic, or node; "configure" only configures.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
-
-#include "leg/controller.hpp"
-#include "leg/joint_state_node.hpp"
 
 using namespace leg_ros2;
 using controller_interface::CallbackReturn;
