@@ -109,7 +109,7 @@ def boundaries(name: str, std: float, count: int, delay: int, seconds: float, co
     used = ControlModel.of_parameters(model, means)
     start = Hold(np.zeros((used.n, 1)))
     wearer = Wearer.build(model.leg, intention=start)
-    draws = draw_truths(model, means, np.diag((std * means) ** 2), DRAWS * count, seed=1).parameters
+    draws, _ = draw_truths(model, means, np.diag((std * means) ** 2), DRAWS * count, seed=1)
     found: list[Boundary] = []
     truths = [ControlModel.of_parameters(model, draw) for draw in draws]
     values = largest_amplification(used, truth=truths, wearer=wearer, delay=delay).values

@@ -15,9 +15,6 @@ HIP, KNEE = 0, 1
 LOG_RATE = 100.0
 """Sampling rate of the log [Hz]; assumed, as the document does not print it."""
 
-TABLE_II_FREQUENCY = 0.1 * np.pi
-"""Angular frequency of rows 3 to 5 [rad/s]: 0.05 Hz."""
-
 LOWEST, HIGHEST = np.deg2rad([-10.0, 5.0]), np.deg2rad([60.0, 85.0])
 """Range of angle of the multisine, hip and knee [rad]: within the limits of a seated or standing wearer."""
 
@@ -46,7 +43,7 @@ def swing(joint: int) -> Harmonics:
     """Make the motion of rows 3 and 5 (hip) or row 4 (knee): 40° + 20° sin(0.1 π t), the other joint at 20°."""
     centre, amplitude = np.full((2, 1), np.deg2rad(20.0)), np.zeros((1, 2, 1))
     centre[joint], amplitude[0, joint] = np.deg2rad(40.0), np.deg2rad(20.0)
-    return Harmonics(centre, amplitude, np.full((1, 1, 1), TABLE_II_FREQUENCY), np.zeros((1, 1, 1)))
+    return Harmonics(centre, amplitude, np.full((1, 1, 1), 0.1 * np.pi), np.zeros((1, 1, 1)))
 
 
 def validation_motion() -> Harmonics:
@@ -64,16 +61,9 @@ def multisine(leg: Leg, rng: np.random.Generator, draws: int = 300) -> Harmonics
     """Draw multisines of five harmonics of 0.2 Hz within limits of angle and speed; keep the best conditioned."""
     if draws < 1:
         raise BadArgumentError(f"the best of {draws} draws", remedy="draw at least one motion")
-    model = TorqueModel(
-        leg,
-        (
-            Stiffness(degree=1, joints=(leg.joint_labels[KNEE],)),
-            Coulomb(),
-            Viscous(),
-            Armature(),
-            Offset(joints=(leg.joint_labels[HIP],)),
-        ),
-    )
+    hip, knee = leg.joint_labels
+    terms = (Stiffness(degree=1, joints=(knee,)), Coulomb(), Viscous(), Armature(), Offset(joints=(hip,)))
+    model = TorqueModel(leg, terms)
     drawn = [_draw_multisine(rng) for _ in range(draws)]
     return drawn[int(np.argmin([_condition(model, motion) for motion in drawn]))]
 
@@ -91,6 +81,5 @@ def _draw_multisine(rng: np.random.Generator) -> Harmonics:
 
 def _condition(model: TorqueModel, motion: Harmonics) -> float:
     """Condition number of the regressor over one period, columns scaled to unit length."""
-    q, v, a = motion.over(PERIOD)
-    W = model.regressor(q, v, a).reshape(2 * len(q), -1)
+    W = model.regressor(*motion.over(PERIOD)).reshape(2 * len(PERIOD), -1)
     return float(np.linalg.cond(W / np.linalg.norm(W, axis=0)))

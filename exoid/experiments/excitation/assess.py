@@ -32,15 +32,6 @@ DURATION, RATE = 20.0, 100.0
 SLOW, FAST = 0.1, 0.8
 """Frequencies of a slow sweep and of a fast swing [Hz]."""
 
-SWING = np.deg2rad(15.0)
-"""Amplitude of a swing [rad]."""
-
-TILT = np.deg2rad(25.0)
-"""Tilt of the torso [rad]."""
-
-NEARLY_BEST = 1.5
-"""Largest ratio to the best standard deviation at which a simpler experiment is preferred."""
-
 
 class Advice(NamedTuple):
     """Experiment that improves the precision of some parameters."""
@@ -164,9 +155,9 @@ def _advise(
     after = np.array([precision.relative for precision in tried.values()])
     chosen: dict[int, list[int]] = {}
     for k in poor:
-        best = after[:, k].min()
-        if best < now.relative[k] / NEARLY_BEST:
-            chosen.setdefault(int(np.argmax(after[:, k] <= NEARLY_BEST * best)), []).append(k)
+        nearly_best = 1.5 * after[:, k].min()  # up to which a simpler experiment is preferred
+        if nearly_best < now.relative[k]:
+            chosen.setdefault(int(np.argmax(after[:, k] <= nearly_best)), []).append(k)
     descriptions = list(tried)
     return tuple(
         Advice(
@@ -194,7 +185,8 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
         return Recording(time, *motion, joint_names=leg.joint_names, torso=torso)
 
     units = position_units(leg)
-    swing = np.minimum(SWING * np.where(turning_joints(leg), 1.0, SLIDE), half)
+    amplitude, tilt = np.deg2rad(15.0), np.deg2rad(25.0)  # of a swing, and of the torso [rad]
+    swing = np.minimum(amplitude * np.where(turning_joints(leg), 1.0, SLIDE), half)
     ones: FloatArray = np.ones(n)
     shift: FloatArray = 1.0 + 0.23 * np.arange(n, dtype=np.float64)  # frequencies without a common period
     for j, name in enumerate(leg.joint_names):
@@ -207,12 +199,12 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
     yield "sweep all joints slowly over their ranges, each at its own frequency", recording(half, SLOW * shift)
     yield (
         f"swing all joints quickly, each at its own frequency from {FAST:g} Hz",
-        recording(np.minimum(SWING, half), FAST * shift),
+        recording(np.minimum(amplitude, half), FAST * shift),
     )
     if leg.limbs:
         yield (
-            f"tilt the torso by {np.rad2deg(TILT):.0f}° and sweep all joints slowly",
-            recording(half, SLOW * shift, TorsoMotion(pitch=TILT)),
+            f"tilt the torso by {np.rad2deg(tilt):.0f}° and sweep all joints slowly",
+            recording(half, SLOW * shift, TorsoMotion(pitch=tilt)),
         )
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
@@ -94,10 +94,17 @@ class Information(NamedTuple):
 
     def precision(self, model: TorqueModel, scales: Scales) -> Precision:
         """Compute the covariance (Σ W̃ᵀW̃)⁻¹ (Σ_j W̃ᵀ F Fᵀ W̃) (Σ W̃ᵀW̃)⁻¹ of the parameters."""
-        inverse, condition, not_determined = _inverse(self.r_factor)
+        scale = np.linalg.norm(self.r_factor, axis=0)
+        scale = np.where(scale > 0.0, scale, 1.0)
+        padding = np.zeros((len(scale), len(scale)))
+        _, sigma, Vt = np.linalg.svd(np.vstack([self.r_factor / scale, padding]), full_matrices=False)
+        determined = sigma > RANK * sigma[0]
+        V = (Vt[determined].T / sigma[determined]) / scale[:, None]
+        condition = float(sigma[0] / sigma[-1]) if determined.all() else np.inf
+        inverse = V @ V.T
         covariance = inverse @ self.score_covariance @ inverse
         rounding = np.sqrt(np.maximum(np.diag(covariance), 0.0)) > 1e6 * scales.scale  # information is rounding
-        not_determined = np.flatnonzero(rounding | np.isin(np.arange(len(rounding)), not_determined))
+        not_determined = np.flatnonzero(rounding | (np.linalg.norm(Vt[~determined], axis=0) > INVOLVED))
         covariance[not_determined] = covariance[:, not_determined] = 0.0
         covariance[not_determined, not_determined] = np.inf
         return Precision(model.names, model.units, covariance, condition, scales, self.duration)
@@ -108,7 +115,15 @@ def information_of(
 ) -> Information:
     """Compute the information of motions, with rows W̃ = F W / σ and F the filter of a preparation."""
     if not isinstance(model, SupportModel) and on_ground(model, recordings):
-        return _information_on_ground(model, recordings, noise, preparation)
+        # Rows are those of `exoid.identify`: of each set of resting links those on which their wrenches do no work.
+        # The noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base
+        # counts as known, as from an IMU. Where feet carry it instead, the unknown compliance of their soles makes
+        # intervals up to twice as wide.
+        supports = supports_during(model, recordings, preparation)
+        each = [information_of(support, parts, noise, preparation) for support, parts in supports]
+        if not each:
+            raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
+        return reduce(Information.plus, each)
     if preparation is None:
         preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in recordings]))
     count = len(model.names)
@@ -124,23 +139,6 @@ def information_of(
 def on_ground(model: TorqueModel, recordings: Iterable[Recording]) -> bool:
     """Tell whether rows are those of a leg on the ground: its base floats, or a log depends on contacts."""
     return bool(model.leg.base_rows) or any(stands(model.leg, for_leg(model, one)) for one in recordings)
-
-
-def _information_on_ground(
-    model: TorqueModel, recordings: Sequence[Recording], noise: TorqueNoise, preparation: Preparation | None
-) -> Information:
-    """Information of recordings whose links rest by unknown wrenches."""
-    # Rows are those of `exoid.identify`: of each set of resting links those on which their wrenches do no work.
-    # The noise of a row of a closed chain is Σ_j Z_j² σ_j², as its torque is Zᵀ τ. The motion of the base
-    # counts as known, as from an IMU. Where feet carry it instead, the unknown compliance of their soles makes
-    # intervals up to twice as wide.
-    total: Information | None = None
-    for support, parts in supports_during(model, recordings, preparation):
-        information = information_of(support, parts, noise, preparation)
-        total = information if total is None else total.plus(information)
-    if total is None:
-        raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
-    return total
 
 
 def supports_during(
@@ -202,15 +200,3 @@ def _blocks(recording: Recording) -> Iterator[Recording]:
     count = max(1, round(len(recording) / BLOCK))
     edges = np.linspace(0, len(recording), count + 1).astype(int)
     return (recording.slice(int(b), int(e)) for b, e in pairwise(edges))
-
-
-def _inverse(R: FloatArray) -> tuple[FloatArray, float, NDArray[np.intp]]:
-    """Pseudo-inverse (RᵀR)⁺, condition number, and indices of the parameters that are not identifiable."""
-    scale = np.linalg.norm(R, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    _, sigma, Vt = np.linalg.svd(np.vstack([R / scale, np.zeros((R.shape[1], R.shape[1]))]), full_matrices=False)
-    determined = sigma > RANK * sigma[0]
-    V = (Vt[determined].T / sigma[determined]) / scale[:, None]
-    part = np.linalg.norm(Vt[~determined], axis=0) if not determined.all() else np.zeros(len(sigma))
-    condition = float(sigma[0] / sigma[-1]) if determined.all() else np.inf
-    return np.asarray(V @ V.T), condition, np.flatnonzero(part > INVOLVED)

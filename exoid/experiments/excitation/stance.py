@@ -125,7 +125,12 @@ def plan_stance(
     checked(friction, "friction", above=0.0)
     checked(rate, "the rate of a plan [Hz]", least=20.0)
     checked(duration / len(feet), "the duration on each support [s]", least=5.0)
-    plant = GroundPlant.build(leg, _known_soles(leg) if soles is None else soles)
+    if soles is None:
+        links = {element.get("name") for element in leg.description.parse().findall("link")}
+        present = [link for link in BLEEX_SOLES if link in links]
+        moving = [link for link in present if link_frame(leg.model, leg.description, link).body >= 0]
+        soles = {link: BLEEX_SOLES[link] for link in moving}
+    plant = GroundPlant.build(leg, soles)
     if not plant.is_planar:
         raise NotSupportedError(
             "stance is planned for planar machines",
@@ -192,16 +197,6 @@ def _recording(plant: GroundPlant, found: ProtocolMotion, rate: float) -> Record
         joint_names=plant.leg.joint_names,
         contacts={foot: standing if foot in found.feet else ~standing for foot in plant.soles},
     )
-
-
-def _known_soles(leg: Leg) -> dict[str, Sole]:
-    """Soles of BLEEX at the feet that move."""
-    links = {element.get("name") for element in leg.description.parse().findall("link")}
-    return {
-        link: sole
-        for link, sole in BLEEX_SOLES.items()
-        if link in links and link_frame(leg.model, leg.description, link).body >= 0
-    }
 
 
 def _describe(found: ProtocolMotion, recording: Recording) -> str:

@@ -33,9 +33,6 @@ from exoid.torques.contacts.support_model import SupportModel
 SAMPLES, STEP = 150, 1e-4
 """Number of random motions, and time over which the change of a Jacobian is computed [s]."""
 
-MOST = 6
-"""Most names in a row of the table."""
-
 
 class Supports(NamedTuple):
     """Parameters that supports determine, alone and all together; prints itself."""
@@ -46,12 +43,12 @@ class Supports(NamedTuple):
 
     def __str__(self) -> str:
         """Print a row for each support, with the parameters that it determines or leaves open, whichever are fewer."""
-        rows = []
+        rows, most = [], 6  # names in a row of the table
         for label, seen in zip(self.labels, self.determined, strict=True):
             open_, told = (list(np.array(self.names)[seen == which]) for which in (False, True))
             few, what = (told, "only") if len(told) < len(open_) else (open_, "all but")
-            more = f" and {len(few) - MOST} more" if len(few) > MOST else ""
-            text = f"{what} {', '.join(few[:MOST])}{more}" if few else "all" if told else "none"
+            more = f" and {len(few) - most} more" if len(few) > most else ""
+            text = f"{what} {', '.join(few[:most])}{more}" if few else "all" if told else "none"
             rows.append((label, f"{len(told)} of {len(seen)}", text))
         return to_text(make_table(["unknown forces on", "determined", "parameters"], rows))
 

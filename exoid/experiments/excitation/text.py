@@ -23,19 +23,13 @@ def prediction_text(head: str, precision: Precision, more: Iterable[str] = ()) -
             for name, value, std, relative, grade, unit in zip(*columns, strict=True)
         ],
     )
-    return to_text(head, table, f"condition number {p.condition_number:.0f}", *_identifiability_lines(p), *more)
-
-
-def _identifiability_lines(precision: Precision) -> list[str]:
-    """Name the parameters that will not be determined well."""
     lines = []
     for word, phrase in (("not", "cannot be determined"), ("weakly", "will be determined weakly")):
-        names = [n for n, grade in zip(precision.names, precision.identifiability, strict=True) if grade == word]
-        if names:
+        if names := [name for name, grade in zip(p.names, p.identifiability, strict=True) if grade == word]:
             lines.append(f"{', '.join(names)} {phrase}")
-    return lines or [
-        f"every parameter is determined well, the worst to {_digits(100.0 * precision.worst)} % of its scale"
-    ]
+    if not lines:
+        lines.append(f"every parameter is determined well, the worst to {_digits(100.0 * p.worst)} % of its scale")
+    return to_text(head, table, f"condition number {p.condition_number:.0f}", *lines, *more)
 
 
 def precision_to_json(precision: Precision) -> dict[str, Any]:

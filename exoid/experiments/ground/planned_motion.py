@@ -26,13 +26,6 @@ KNOTS = 100.0
 """Rate at which motions are planned [Hz]."""
 
 
-FALLEN = 0.15
-"""Distance of the torso from the planned height from which the machine counts as fallen [m]."""
-
-LARGEST_ERROR = 0.35
-"""Distance of a joint from its reference from which the machine does not follow [rad]: a foot is caught."""
-
-
 @dataclass(frozen=True, eq=False)
 class Bearing:
     """Plan of how a foot bears the machine, at K times."""
@@ -131,17 +124,18 @@ def follow(plant: GroundPlant, motion: GroundMotion, gains: JointGains, *, sprin
     refuse_poses_beyond_limits(plant.leg, motion.q)
     run = simulate_on_ground(plant, motion, gains, spring=spring)
     planned = scipy.interpolate.CubicSpline(motion.time, np.column_stack([motion.base[:, 1], motion.q]))(run.time)
-    far = np.abs(run.position @ plant.plane.up - planned[:, 0]) > FALLEN
+    fallen, caught = 0.15, 0.35  # errors of the torso's height [m], and of a joint [rad] where a foot is caught
+    far = np.abs(run.position @ plant.plane.up - planned[:, 0]) > fallen
     if far.any():
         raise BadArgumentError(
-            f"the machine falls: at {run.time[np.argmax(far)]:.3g} s its torso is {FALLEN:g} m off the planned height",
+            f"the machine falls: at {run.time[np.argmax(far)]:.3g} s its torso is {fallen:g} m off the planned height",
             remedy="take smaller or slower motions, or more friction of the ground",
         )
     error = np.abs(run.q - planned[:, 1:])
-    if error.max() > LARGEST_ERROR:
-        sample, joint = np.unravel_index(int(np.argmax(error > LARGEST_ERROR)), error.shape)
+    if error.max() > caught:
+        sample, joint = np.unravel_index(int(np.argmax(error > caught)), error.shape)
         raise BadArgumentError(
-            f"{plant.leg.joint_names[joint]} is {LARGEST_ERROR:g} rad off its reference at {run.time[sample]:.3g} s",
+            f"{plant.leg.joint_names[joint]} is {caught:g} rad off its reference at {run.time[sample]:.3g} s",
             remedy="take smaller or slower motions; in walking, another period",
         )
     return run

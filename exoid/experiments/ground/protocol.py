@@ -73,9 +73,6 @@ KNEE = np.deg2rad(15.0)
 CLEARANCE = 0.03
 """Height of a foot in the air [m]."""
 
-SMALLEST = 0.2
-"""Share of the protocol below which a motion tells too little."""
-
 
 class ProtocolMotion(NamedTuple):
     """Motion of the protocol with its margins."""
@@ -98,7 +95,7 @@ def protocol_motion(
     """Make the largest motion of the protocol on some feet that keeps all limits; the number shifts its phases."""
     coarse = np.linspace(-LEAD, duration, round((duration + LEAD) * 20.0) + 1)
     refused: BadArgumentError | None = None
-    for share in np.arange(1.0, SMALLEST, -0.05):
+    for share in np.arange(1.0, 0.2, -0.05):  # a smaller motion tells too little
         try:
             for time in (coarse, knots(duration)):
                 found = _moved(plant, stands, time, share, number)

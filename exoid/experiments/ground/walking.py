@@ -76,19 +76,15 @@ def walking(plant: GroundPlant, duration: float = 30.0, *, period: float = 1.4) 
     base[:, 0] = np.cumsum(scipy.ndimage.gaussian_filter1d(speed, window)) / KNOTS
     base[:, 1] = scipy.ndimage.gaussian_filter1d(-low, window)
     for leg in legs:
-        q[:, leg.joints] = _cleared(leg, base, places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2]))
+        foot = places[leg.foot] + (base[:, :1] + 1j * base[:, 1:2])
+        tilt = np.angle(foot[:, -1] - foot[:, 0]) - np.angle(leg.sole[-1] - leg.sole[0])
+        height = np.maximum(foot.imag.min(axis=1), 0.0)
+        lift = 0.015 * height / (height + NEAR)  # [m] while it swings: soles are longer than feet, and legs yield
+        q[:, leg.joints] = leg.angles(base, foot.mean(axis=1) + 1j * lift, tilt)
     motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - SUPPORT)
     raised = base + np.array([0.0, SUPPORT * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
     motion = replace(motion, base=raised)  # the carriage is above the torso that hangs on it
     return follow(plant, motion, GAINS, spring=HARNESS)
-
-
-def _cleared(leg: PlanarLeg, base: FloatArray, foot: ComplexArray) -> FloatArray:
-    """Angles of a leg whose foot, with points of its sole (K, P), is lifted while it swings, (K, 3)."""
-    tilt = np.angle(foot[:, -1] - foot[:, 0]) - np.angle(leg.sole[-1] - leg.sole[0])
-    height = np.maximum(foot.imag.min(axis=1), 0.0)
-    lift = 0.015 * height / (height + NEAR)  # [m]: soles are longer than feet, and legs yield
-    return leg.angles(base, foot.mean(axis=1) + 1j * lift, tilt)
 
 
 def _bearings(plant: GroundPlant, places: dict[str, ComplexArray], window: float) -> dict[str, Bearing]:

@@ -102,9 +102,13 @@ def coordinate(
     plant, estimate, name = _machine(source, seed)
     report(0.1)
     episodes = run_day(plant, seconds, seed, lambda share: report(0.1 + 0.6 * share))
-    logs = [_log(episode, [seed, k]) for k, episode in enumerate(episodes)]
+    runs = [episode.run for episode in episodes]
+    logs = [  # crutches are measured, feet and seat are not
+        run.recording(SENSORS, np.random.default_rng([seed, k, 300]), wrenches=(run.plant.root_link,))
+        for k, run in enumerate(runs)
+    ]
     filters = []
-    for run in (episode.run for episode in episodes):
+    for run in runs:
         rate = 1.0 / float(run.time[1] - run.time[0])
         filters.append(ContactFilter.of(estimate, run.plant.soles, SENSORS.imu_position, rate=rate))
     beliefs = [over(told, log) for told, log in zip(filters, logs, strict=True)]
@@ -168,11 +172,6 @@ def calibrate(plant: GroundPlant, seed: int = 0) -> Estimate:
     terms = (*TERMS, Stiffness()) if plant.stiffness.any() else TERMS
     found: Estimate = identify(plant.leg, logs, terms, check=False)
     return found
-
-
-def _log(episode: Episode, seed: Sequence[int]) -> Recording:
-    """Log of a day: crutches are measured, feet and seat are not."""
-    return episode.run.recording(SENSORS, np.random.default_rng([*seed, 300]), wrenches=(episode.run.plant.root_link,))
 
 
 def readings_of(

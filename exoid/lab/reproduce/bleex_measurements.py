@@ -36,9 +36,6 @@ STATIC = StaticProtocol(readings=25)
 SETTLE = 2.0
 """Initial part of a dynamic experiment that is left out [s]."""
 
-TILTS = (-30.0, 30.0)
-"""Torso tilts for the stiffness of the hip [deg], which document 1 proposes but does not use."""
-
 
 @dataclass(frozen=True)
 class Extent:
@@ -88,7 +85,7 @@ def measure_bleex(
     upright = run_static(plant, sets.all, BENCH, rng, STATIC)
     report(0.2)
     tilted = []
-    for tilt in TILTS:
+    for tilt in (-30.0, 30.0):  # [deg], for the stiffness of the hip; document 1 proposes them but does not use them
         poses = bleex.static_sets(rng, extent.poses).random
         tilted_plant = Plant.build(leg, truth, pitch=np.deg2rad(tilt)).repeat(replicates)
         tilted.append([both.averaged for both in run_static(tilted_plant, poses, BENCH, rng, STATIC)])

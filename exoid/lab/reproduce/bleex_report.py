@@ -24,9 +24,6 @@ from .torque_error import joint_errors, predicted_torque, validation_rows
 
 JOINTS = ("hip", "knee", "ankle")
 
-MIDDLE = 2
-"""Index of the middle frequency, 0.6 Hz."""
-
 SHOWN = 8.0
 """Longest part of a motion that is drawn [s]."""
 
@@ -42,16 +39,12 @@ def bleex_report(replay: BleexReplay) -> ReplayReport:
     """
     sides = {"Left": replay.left, "Right": replay.right}
     figures = {
-        "doc1_fig3_static_friction": (
-            "Fig. 3, left leg: torque that holds the ankle, reached from below and from above",
-            0.7,
-        ),
-        "doc1_fig4_stiffness": ("Fig. 4, left leg: ankle torque over ankle angle where gravity is the same", 0.7),
-        "doc1_fig5_inertia": ("Fig. 5, left leg: ankle torque in proportion to the knee's acceleration", 0.7),
-        "doc1_fig6_kinetic_friction": ("Fig. 6, left leg: ankle friction over velocity", 0.7),
-        "doc1_fig7_validation": ("Fig. 7, left leg: measured and predicted torque of the validation motion", 1.4),
+        "3_static_friction": ("torque that holds the ankle, reached from below and from above", _draw_static_friction),
+        "4_stiffness": ("ankle torque over ankle angle where gravity is the same", _draw_stiffness),
+        "5_inertia": ("ankle torque in proportion to the knee's acceleration", _draw_inertia),
+        "6_kinetic_friction": ("ankle friction over velocity", _draw_kinetic_friction),
+        "7_validation": ("measured and predicted torque of the validation motion", _draw_validation),
     }
-    draw = (_draw_static_friction, _draw_stiffness, _draw_inertia, _draw_kinetic_friction, _draw_validation)
     return ReplayReport(
         title=f"BLEEX, document 1 replayed (seed {replay.seed})",
         about="The experiments of document 1 on a virtual rig with known parameters, identified by its procedure and "
@@ -60,8 +53,10 @@ def bleex_report(replay: BleexReplay) -> ReplayReport:
         tables=[table for name, side in sides.items() for table in _tables(name, side)],
         data={"left": _side_json(replay.left), "right": _side_json(replay.right), "seed": replay.seed},
         drawings={
-            name: Drawing(caption, partial(each, side=replay.left), height)
-            for (name, (caption, height)), each in zip(figures.items(), draw, strict=True)
+            f"doc1_fig{name}": Drawing(
+                f"Fig. {name[0]}, left leg: {caption}", partial(draw, side=replay.left), 1.4 if name[0] == "7" else 0.7
+            )
+            for name, (caption, draw) in figures.items()
         },
     )
 
@@ -141,7 +136,7 @@ def _draw_stiffness(figure: Figure, side: SideReplay) -> None:
 
 def _draw_inertia(figure: Figure, side: SideReplay) -> None:
     """Both sides of doc. 1, eq. (29): ankle torque proportional to the knee acceleration, and measured torque."""
-    model, recording = document_model(side.leg), side.data.swings[KNEE][MIDDLE].resampled()
+    model, recording = document_model(side.leg), side.data.swings[KNEE][2].resampled()  # at 0.6 Hz
     values = np.array([side.sequential.as_dict().get(name, 0.0) for name in model.names])
     values[model.names.index("c0_ankle")] = 0.0  # neglected as in the step for J3
     q, v, a, valid = FiniteDifference().kinematics(recording)
@@ -157,7 +152,7 @@ def _draw_inertia(figure: Figure, side: SideReplay) -> None:
 def _draw_kinetic_friction(figure: Figure, side: SideReplay) -> None:
     """Doc. 1, eq. (33) with the opposite sign, without samples near the reversals."""
     values = side.sequential.as_dict()
-    recordings = [side.data.swings[ANKLE][MIDDLE]]
+    recordings = [side.data.swings[ANKLE][2]]  # at 0.6 Hz
     rows = rows_in_motion(document_model(side.leg), recordings, ANKLE, FiniteDifference())
     rows = rows.where(np.abs(rows.v) > MIN_SPEED)
     friction = rows.tau - rows.explained(values, without=("c0_ankle",))

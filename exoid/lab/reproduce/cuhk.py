@@ -35,27 +35,11 @@ RATES = Rates(control=500.0, log=cuhk.LOG_RATE, step=1e-3)
 SERVOS = {"document": (150.0, 0.0), "smooth": (150.0, 15.0), "tight": (2000.0, 200.0)}
 """Gains Kp and Kd of the servos [N·m/rad, N·m·s/rad]."""
 
-DOCUMENT = Bench(Proportional(SERVOS["document"][0]), MOTOR, SENSORS, RATES)
-"""Bench of document 2: P control with the corrected sign and an assumed gain."""
-
 SETTLE, DURATION = 2.0, 62.0
 """Initial part of every motion that is left out, and its end [s]; the document's validation lasts one minute."""
 
-STATIC = StaticProtocol(travel=4.0, wait=10.0)
-"""Approach and readings of the static experiments."""
-
-KNEE_ONLY, HIP_ONLY = ("knee",), ("hip",)
-TERMS = (
-    Stiffness(degree=1, joints=KNEE_ONLY),
-    Coulomb(),
-    Viscous(),
-    Armature(),
-    Offset(joints=HIP_ONLY),
-)
+TERMS = (Stiffness(degree=1, joints=("knee",)), Coulomb(), Viscous(), Armature(), Offset(joints=("hip",)))
 """Terms of the estimate from the multisine; b0 is the constant torque of the knee."""
-
-WITHOUT_ROTOR = tuple(term for term in TERMS if not isinstance(term, Armature))
-"""The same terms without rotor inertia."""
 
 PREPARATION = ZeroPhase(cutoff=3.0)
 """Preparation of the multisine; with a cut-off of 10 Hz the noise of the acceleration would bias J1 by 40 %."""
@@ -120,7 +104,10 @@ def reproduce_cuhk(
     rng = np.random.default_rng(seed)
     leg = load_leg("cuhk")
     plant = Plant.build(leg, truth_values()).repeat(replicates)
-    poses = [run_static(plant, p, DOCUMENT, rng, STATIC) for p in (cuhk.stiffness_poses(), cuhk.random_poses(rng))]
+    # P control of document 2 with the corrected sign and an assumed gain
+    bench = Bench(Proportional(SERVOS["document"][0]), MOTOR, SENSORS, RATES)
+    approach = StaticProtocol(travel=4.0, wait=10.0)
+    poses = [run_static(plant, p, bench, rng, approach) for p in (cuhk.stiffness_poses(), cuhk.random_poses(rng))]
     report(0.2)
     motions = {
         "row 3": ("document", cuhk.swing(cuhk.HIP)),
@@ -159,7 +146,8 @@ def _replay(leg: Leg, static: list[Poses], logs: Mapping[str, Recording], seed: 
     """Identify the leg by all methods and compare."""
     rich, independent, document = logs["rich"], logs["independent"], logs["document"]
     estimate = identify(leg, rich, TERMS, preparation=PREPARATION)
-    no_rotor = identify(leg, rich, WITHOUT_ROTOR, preparation=PREPARATION)
+    without_rotor = tuple(term for term in TERMS if not isinstance(term, Armature))
+    no_rotor = identify(leg, rich, without_rotor, preparation=PREPARATION)
     delayed, zero_phase = (_table_ii(leg, static, logs, each) for each in (MovingAverage(), ZeroPhase()))
     truth, model = truth_with_rotor(), estimate.model
     models = {

@@ -30,12 +30,9 @@ from .stance_logs import WRONG, StanceExtent, StanceRuns, run_stance
 TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
 """Terms of all estimates: those of the rig."""
 
+SIDES = ("left", "right")
 WALKING = ZeroPhase(cutoff=8.0, kinematics_cutoff=60.0)
 """Preparation of the walk: touch-downs shake the legs faster than the default low-pass of the angles lets through."""
-
-SIDES = ("left", "right")
-SHARES = (0.3, 0.7)
-"""Shares of the completed work after the runs, and after the estimates."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -138,7 +135,7 @@ def reproduce_stance(
         ExoidError: MuJoCo is not installed, or the logs are too short.
     """
     report = progress or (lambda _: None)
-    runs = run_stance(seed, extent, lambda share: report(SHARES[0] * share))
+    runs = run_stance(seed, extent, lambda share: report(0.3 * share))
     machine = load_exo("bleex", base="floating")
     imu = split(machine, runs.log("squats")).imu
     swing, walk = (_corrected(runs.log(motion, held=motion == "walking"), imu) for motion in ("swing", "walking"))
@@ -147,7 +144,7 @@ def reproduce_stance(
         "plates": identify(machine, [*runs.stance(plates=True), swing], TERMS),
         "no plates": identify(machine, [*runs.stance(), swing], TERMS),
     }
-    report(SHARES[1])
+    report(0.7)
     truth, refused = true_values(runs.plant), ""
     try:
         identify(machine, swing, TERMS)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exoid.estimate.finding import Finding
@@ -15,7 +14,7 @@ from exoid.view.colours import MEASURED, PREDICTED
 from exoid.view.style import draw_band, legend_above
 
 from .report import Drawing, ReplayReport, estimate_cells, estimate_json
-from .stance import Disturbed, ForceError, StanceReplay, WalkReplay, relative_error
+from .stance import Disturbed, StanceReplay, relative_error
 
 FORCE_KEYS = {
     "motion": "motion",
@@ -37,6 +36,7 @@ def stance_report(replay: StanceReplay) -> ReplayReport:
     Returns:
         The report.
     """
+    walks = {**replay.walk.estimates, "alone": replay.walk.alone}
     caption = "Vertical ground force: force plate, and prediction from joint torques by the estimate without plates"
     drawing = Drawing(caption, lambda figure: _draw_forces(figure, replay), height=1.4, width=2.0)
     return ReplayReport(
@@ -51,7 +51,11 @@ def stance_report(replay: StanceReplay) -> ReplayReport:
             "forces": [
                 {key: json_value(getattr(each, name)) for key, name in FORCE_KEYS.items()} for each in replay.forces
             ],
-            "walk": _walk_json(replay.walk),
+            "walk": {
+                "estimates": {name: estimate_json(each) for name, each in walks.items()},
+                "fixed_torso": [_finding_json(finding) for finding in replay.walk.fixed],
+                **attributes(replay.walk, "seconds", "bias_error"),
+            },
             "wrong_labels": _disturbed_json(replay.wrong),
             "slipping": _disturbed_json(replay.slipping),
             "seed": replay.seed,
@@ -159,19 +163,15 @@ def _draw_forces(figure: Figure, replay: StanceReplay) -> None:
     """Draw measured and predicted ground forces with their bands."""
     axes = figure.subplots(len(replay.forces), 1, sharex=True, squeeze=False)[:, 0]
     for ax, each in zip(axes, replay.forces, strict=True):
-        _plot_force(ax, each)
+        shown = each.time - each.time[0] < 6.0  # a squat and a shift
+        time, predicted = each.time[shown], each.predicted[shown]
+        ax.plot(time, each.measured[shown], color=MEASURED, lw=0.4, label="force plate")
+        draw_band(ax, time, predicted, each.half[shown])
+        ax.plot(time, predicted, color=PREDICTED, label="from joint torques")
+        ax.set_ylabel("vertical force [N]")
+        ax.set_title(f"{each.motion}, {each.link.replace('_', ' ')}", loc="right")
     legend_above(axes[0])
     axes[-1].set_xlabel("time [s]")
-
-
-def _plot_force(ax: Axes, each: ForceError) -> None:
-    shown = each.time - each.time[0] < 6.0  # a squat and a shift
-    time, predicted = each.time[shown], each.predicted[shown]
-    ax.plot(time, each.measured[shown], color=MEASURED, lw=0.4, label="force plate")
-    draw_band(ax, time, predicted, each.half[shown])
-    ax.plot(time, predicted, color=PREDICTED, label="from joint torques")
-    ax.set_ylabel("vertical force [N]")
-    ax.set_title(f"{each.motion}, {each.link.replace('_', ' ')}", loc="right")
 
 
 def _way_json(replay: StanceReplay, way: str) -> dict[str, Any]:
@@ -182,15 +182,6 @@ def _way_json(replay: StanceReplay, way: str) -> dict[str, Any]:
         "coverage": replay.coverage(way),
         "largest": {symbol: json_value(replay.largest(way, symbol)) for symbol in "MXJ"},
         "refused": replay.refused if way == "swing" else None,
-    }
-
-
-def _walk_json(walk: WalkReplay) -> dict[str, Any]:
-    estimates = {**walk.estimates, "alone": walk.alone}
-    return {
-        "estimates": {name: estimate_json(each) for name, each in estimates.items()},
-        "fixed_torso": [_finding_json(finding) for finding in walk.fixed],
-        **attributes(walk, "seconds", "bias_error"),
     }
 
 

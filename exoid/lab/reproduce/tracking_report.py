@@ -58,7 +58,17 @@ def cuhk_tracking_report(replay: TrackingReplay) -> ReplayReport:
         f"CUHK-EXO with payload, rotors of {replay.rotor:g} kg·m², gait of 10 s, gains {GAINS['kp']} N·m/rad and "
         f"{GAINS['kd']} N·m·s/rad; laws know an estimate from noisy data"
     )
-    tables, notes = [tracking_table(caption, replay.laws.values())], _document_notes(replay.laws)
+    slow, pd, compensated = (replay.laws[name] for name in ("pd_30hz", "pd", "gravity_friction_pd"))
+    printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
+    by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
+    notes = [
+        f"Document 2 reports peak errors [deg]: {printed}.",
+        f"PD's peak errors change by {_pair(by_rate, '.2f')}° from 30 to 100 Hz; G + F lower them by "
+        f"{_pair(by_law, '.1f')}°.",
+        f"PD + G + F takes {_pair(compensated.rms_torque / pd.rms_torque, '.1f')} times the rms torque of PD and "
+        f"{_pair(compensated.energy / pd.energy, '.1f')} times its energy; document 2 calls their power comparable.",
+    ]
+    tables = [tracking_table(caption, replay.laws.values())]
     data = laws_json(replay.laws, GAINS["kp"], GAINS["kd"], replay.seed)
     return tracking_report("Controllers on cuhk", replay.laws, tables, data, notes, of_document=True)
 
@@ -115,20 +125,6 @@ def _drawings(runs: Mapping[str, Tracking], *, of_document: bool) -> dict[str, D
         caption = "Tracking errors of the most accurate laws, on a finer scale"
         drawings["laws_errors_close"] = with_errors(caption, shown=close)
     return drawings
-
-
-def _document_notes(laws: Mapping[str, Tracking]) -> list[str]:
-    """Compare the results with those that document 2 reports."""
-    slow, pd, compensated = (laws[name] for name in ("pd_30hz", "pd", "gravity_friction_pd"))
-    printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
-    by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
-    return [
-        f"Document 2 reports peak errors [deg]: {printed}.",
-        f"PD's peak errors change by {_pair(by_rate, '.2f')}° from 30 to 100 Hz; G + F lower them by "
-        f"{_pair(by_law, '.1f')}°.",
-        f"PD + G + F takes {_pair(compensated.rms_torque / pd.rms_torque, '.1f')} times the rms torque of PD and "
-        f"{_pair(compensated.energy / pd.energy, '.1f')} times its energy; document 2 calls their power comparable.",
-    ]
 
 
 def _pair(values: FloatArray, form: str) -> str:

@@ -37,8 +37,8 @@ def worn_models(source: str | Estimate | WornModels, seed: int, progress: Callab
     if isinstance(source, WornModels):
         return source
     if isinstance(source, Estimate):
-        drawn = draw_truths(source.model.loaded_by(source.values), source.values, source.covariance, 1, seed)
-        truth = ControlModel.of_parameters(source.model, drawn.parameters[0]).plant(end_stops=False)
+        drawn, _ = draw_truths(source.model.loaded_by(source.values), source.values, source.covariance, 1, seed)
+        truth = ControlModel.of_parameters(source.model, drawn[0]).plant(end_stops=False)
         return WornModels(source.model.leg, source, truth)
     if source == "bleex":
         estimate = identify_bleex(seed, progress)

@@ -41,9 +41,6 @@ SENSORS = Sensors(velocity_noise=0.002, delay=1)
 PERIOD, SCALE = 4.0, 0.8
 """Default period of the stride [s], and factor of its amplitude: within the limits of both legs."""
 
-SAMPLES = 400
-"""Samples of a stride, at which inertia and friction are evaluated."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Felt:
@@ -192,7 +189,7 @@ def _largest(
 def _inertia_and_friction(truth: Plant, intention: Reference, period: float) -> FloatArray:
     """RMS of M q̈ + C q̇ + F over a stride [N·m], (n,)."""
     model = ControlModel.of(truth)
-    targets = [intention.at(period * k / SAMPLES) for k in range(SAMPLES)]
+    targets = [intention.at(time) for time in np.linspace(0.0, period, 400, endpoint=False)]
     q, v, a = (np.column_stack([getattr(target, name)[:, 0] for target in targets]) for name in ("q", "v", "a"))
     torque = model.inverse_dynamics(q, v, a) - model.statics(q) + model.friction(q, v, 0.0)
     return np.asarray(np.sqrt((torque**2).mean(axis=1)))

@@ -14,12 +14,6 @@ from exoid.rig import Target
 
 from .worn_leg import SPEED, HeldLeg
 
-STEP = 1e-6
-"""Step of numerical derivatives of controllers, relative to numbers above 1 [rad, rad/s]."""
-
-SMOOTH = 1e-3
-"""Largest relative difference of derivatives by one and two steps; a controller with more counts as not smooth."""
-
 
 class LinearLaw(NamedTuple):
     """One step of a controller, linearised: δτ = F δy + H δm and δm⁺ = E δy + N δm."""
@@ -45,8 +39,8 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     # As for `LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
     # compensation is constant. Limits of torque and of its rate count as inactive.
     full, n = stateful(law), len(q)
-    found, again = (_derivatives(full, q, step) for step in (STEP, 2.0 * STEP))
-    if np.abs(found - again).max() > SMOOTH * np.abs(found).max():
+    found, again = (_derivatives(full, q, step) for step in (1e-6, 2e-6))  # relative to numbers above 1 [rad, rad/s]
+    if np.abs(found - again).max() > 1e-3 * np.abs(found).max():
         raise NotSupportedError(
             f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
             remedy="use a smooth controller, and a pose away from its limits",

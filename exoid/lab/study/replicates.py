@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from exoid._typing import FloatArray
-from exoid.experiments.references import States
 from exoid.identification import identify
 from exoid.signals import Recording
 
@@ -44,14 +43,11 @@ def run_chunk(study: Study, number: int) -> Outcomes:
 def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:
     """Recordings of each replicate."""
     noise, protocol = study.noises[chunk.noise], study.protocols[chunk.protocol]
-    clean = [_exactly(study, protocol.states(k, study.rate)) for k in range(len(protocol.motions))]
+    clean, model = [], study.model
+    for k in range(len(protocol.motions)):
+        states = protocol.states(k, study.rate)
+        time, tau = np.arange(len(states.q)) / study.rate, model.regressor(*states) @ np.array(study.truth)
+        clean.append((Recording(time, *states, tau, joint_names=model.leg.joint_names), tau))
     for replicate in range(chunk.replicates):
         rng = np.random.default_rng([study.seed, chunk.protocol, chunk.noise, chunk.first + replicate])
         yield [replace(log, tau=tau + noise.draw(rng, len(log), study.rate)) for log, tau in clean]
-
-
-def _exactly(study: Study, states: States) -> tuple[Recording, FloatArray]:
-    """Recording of a motion, and its torque without noise."""
-    time = np.arange(len(states.q)) / study.rate
-    tau = study.model.regressor(*states) @ np.array(study.truth)
-    return Recording(time, *states, tau, joint_names=study.model.leg.joint_names), tau

@@ -64,11 +64,7 @@ def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction]
             "the model is wrong for this recording, or that the leg has changed."
         ]
     )
-    yield from torque_pictures(estimate, predictions[0])
-
-
-def torque_pictures(estimate: Estimate, prediction: RecordingPrediction) -> Iterator[Picture]:
-    """Draw the torque of each joint at the beginning of a recording, and the residual on its own scale."""
+    prediction = predictions[0]
     part = shown_part(prediction.validation.time, prediction.validation.source)
     for joint, label in enumerate(estimate.model.leg.joint_labels):
         yield Picture(

@@ -103,7 +103,7 @@ def _replay(estimate: Estimate, recording: Recording) -> Iterator[Block]:
 
 
 def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
-    """Recordings, drives, and the settings."""
+    """Recordings, drives, settings of the identification, and the prior knowledge that entered it."""
     rows = [
         (i.label, f"{i.samples}", f"{i.sample_rate:.4g}", "moves" if i.moving_base else "at rest", i.sha256)
         for i in estimate.inputs
@@ -111,17 +111,12 @@ def _inputs_and_settings(estimate: Estimate) -> Iterator[Block]:
     yield DataTable("Recordings", ("name", "samples", "rate [Hz]", "base", "sha256"), rows)
     if estimate.actuators is not None:
         yield Text(["Torques were computed of what these drives measured.", *describe_actuators(estimate.actuators)])
-    yield _settings(estimate)
-
-
-def _settings(estimate: Estimate) -> Text:
-    """Settings of the identification, and the prior knowledge that entered it."""
     terms = ", ".join(dict.fromkeys(type(term).__name__ for term in estimate.model.terms)) or "none"
     settings = preparation_to_json(estimate.preparation)
     name = settings.pop("name")
     numbers = {key: x for key, x in settings.items() if x is not None}
     values = (f"{key.replace('_', ' ')} {x:.4g}" + " Hz" * key.endswith("cutoff") for key, x in numbers.items())
-    return Text(
+    yield Text(
         [
             f"Estimator: {estimate.estimator}; {estimate.dof:.0f} degrees of freedom.",
             f"Torque terms besides the rigid bodies: {terms}.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 
 import numpy as np
@@ -17,6 +17,12 @@ from exoid.view.style import decimation
 from .blocks import MAX_LINE_POINTS, SHOWN_SECONDS, finding_blocks, sentence, shown_part
 from .page import PAGE_COLUMN, Block, Page, Picture, Text, on_axes
 
+NOTE = (
+    "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds the "
+    "true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters have not "
+    "settled there."
+)
+
 
 def interaction_report(estimate: Estimate, found: Interaction) -> Page:
     """Report an interaction: figures of each joint, and torque over time and phase.
@@ -28,25 +34,14 @@ def interaction_report(estimate: Estimate, found: Interaction) -> Page:
     Returns:
         A page: ``interaction_report(...).save("report.html")``.
     """
-    contents: dict[str, Iterator[Block]] = {
-        "Torque of the wearer": _figures(found),
+    contents: dict[str, Iterable[Block]] = {
+        "Torque of the wearer": [DataTable(found.source, HEADERS, found.rows()), Text([NOTE])],
         "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, found),
         "Over the gait": _over_gait(estimate.model.leg.joint_labels, found),
     }
     title = f"{estimate.model.leg.description.name}: torque of the wearer in {found.source}"
     return Page.of(title, [sentence(str(found).rsplit("\n", 1)[-1])], contents)
-
-
-def _figures(found: Interaction) -> Iterator[Block]:
-    yield DataTable(found.source, HEADERS, found.rows())
-    yield Text(
-        [
-            "Positive torque pushes the joint in its positive direction; positive power drives the leg. The band holds "
-            "the true torque with a probability of 95 %. Samples near the ends of a recording are left out, as filters "
-            "have not settled there."
-        ]
-    )
 
 
 def _over_time(estimate: Estimate, found: Interaction) -> Iterator[Block]:

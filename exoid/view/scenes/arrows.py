@@ -13,9 +13,6 @@ from .replay import LegTrajectory
 from .transforms import align_z, homogeneous
 from .visual import Material, Visual, cylinder, torus
 
-ARC = np.deg2rad(250.0)
-"""Angle that a circular arrow spans [rad]."""
-
 WEIGHT_LENGTH, TORQUE_RADIUS, THICKNESS = 0.3, 0.17, 0.011
 """Length of the heaviest body's arrow, radius of the largest torque's, and thickness, over the reach of the leg."""
 
@@ -37,21 +34,15 @@ def straight_arrow(length: float, thickness: float, colour: str) -> list[Visual]
 def circular_arrow(radius: float, thickness: float, colour: str) -> list[Visual]:
     """Make an arrow of a radius and a thickness [m] around z, counter-clockwise, with its gap at negative x."""
     material, head = Material(colour, finish="flat"), 5.5 * thickness
-    c, s = np.cos(0.5 * ARC), np.sin(0.5 * ARC)
+    arc = np.deg2rad(250.0)
+    c, s = np.cos(0.5 * arc), np.sin(0.5 * arc)
     tangent = align_z((-s, c, 0.0), (0.0, 0.0, 1.0))
     end = np.array([c, s, 0.0]) * radius + 0.45 * head * tangent[:, 2]
     backward = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])  # rotation by half the arc
     return [
-        torus(radius, 0.5 * thickness, ARC, material).placed(homogeneous(np.zeros(3), backward)),
+        torus(radius, 0.5 * thickness, arc, material).placed(homogeneous(np.zeros(3), backward)),
         cylinder(1.6 * thickness, head, material, top_radius=0.0).placed(homogeneous(end, tangent)),
     ]
-
-
-def torque_scale(torque: FloatArray, largest: float) -> FloatArray:
-    """Scale of the circular arrow for each torque: its area is proportional to the torque, its direction the sign."""
-    size = np.sqrt(np.abs(torque) / largest) if largest > 0.0 else np.zeros_like(torque)
-    size = np.maximum(size, SMALLEST_SCALE)
-    return np.column_stack([size, np.where(torque < 0.0, -size, size), size])
 
 
 def draw_weights(geometry: LegGeometry, trajectory: LegTrajectory, down: FloatArray) -> Drawing:
@@ -80,7 +71,10 @@ def draw_torques(geometry: LegGeometry, trajectory: LegTrajectory) -> Drawing:
         arrow = circular_arrow(TORQUE_RADIUS * reach, THICKNESS * reach, colour)
         turn = homogeneous(np.zeros(3), align_z(axis))
         drawing += Drawing([set_object(path, arrow, shadows=False), set_transform(place, turn)])
-        drawing += moving(path, np.zeros((1, 3)), scale=torque_scale(torque, largest))
+        # The area of an arrow is proportional to the torque, and its direction is the sign.
+        size = np.maximum(np.sqrt(np.abs(torque) / (largest or 1.0)), SMALLEST_SCALE)
+        scales = np.column_stack([size, np.where(torque < 0.0, -size, size), size])
+        drawing += moving(path, np.zeros((1, 3)), scale=scales)
         paths.append(place)
     unit = "N·m" if all(geometry.skeleton.revolute) else "N·m or N"
     scale = f"radius of {TORQUE_RADIUS * reach:.2g} m = {largest:.3g} {unit}" if largest else ""

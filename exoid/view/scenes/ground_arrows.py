@@ -25,9 +25,6 @@ from .replay import Replay, at_frames
 from .standing import Standing
 from .transforms import align_z
 
-LENGTH = 0.6
-"""Length of the largest force's arrow over the reach of the leg: it ends below the hip, whatever the force."""
-
 SHOWN = {"measured ground force": MEASURED, "predicted ground force": PREDICTED}
 """Label and colour of the forces."""
 
@@ -76,7 +73,8 @@ def draw_ground_forces(geometry: LegGeometry, replay: Replay, standing: Standing
     leg, q, drawing = geometry.leg, replay.angles(geometry.leg), Drawing()
     assert q is not None  # a leg that stands was recorded
     sizes = [float(np.linalg.norm(each.force, axis=1).max()) for by_link in loads.values() for each in by_link.values()]
-    largest, longest = max(sizes, default=0.0) or 1.0, LENGTH * geometry.skeleton.reach
+    # The arrow of the largest force ends below the hip, whatever the force.
+    largest, longest = max(sizes, default=0.0) or 1.0, 0.6 * geometry.skeleton.reach
     text = f"arrow of {longest:.2g} m = {largest:.4g} N"
     for label, colour in SHOWN.items():
         paths = []

@@ -64,7 +64,9 @@ class LegGeometry:
         else:
             others = [other for other in identified if other.joint_names == leg.joint_names]
             inertias += [Inertias("identified", IDENTIFIED, tuple(other.model.inertias)[1:]) for other in others[:1]]
-        return cls(skeleton, child_path(ROOT, _name(leg)), visuals, tuple(inertias), notes)
+        sides = [side for side in SIDES if all(name.startswith(side) for name in leg.joint_names)]
+        name = f"{sides[0].removesuffix('_')} leg" if sides else Path(leg.description.name).stem
+        return cls(skeleton, child_path(ROOT, name), visuals, tuple(inertias), notes)
 
     @property
     def leg(self) -> Leg:
@@ -185,14 +187,6 @@ def _lifted(estimate: Estimate) -> tuple[tuple[pin.Inertia, ...], tuple[str, ...
     except NotIdentifiableError as error:
         notes = (f"identified inertias are not exported: {error.what}",)
     return tuple(pin.Inertia.FromDynamicParameters(row) for row in moving), notes
-
-
-def _name(leg: Leg) -> str:
-    """Name of a leg: its side if it has one, else that of the URDF."""
-    for side in SIDES:
-        if all(name.startswith(side) for name in leg.joint_names):
-            return f"{side.removesuffix('_')} leg"
-    return Path(leg.description.name).stem
 
 
 def inertia_ellipsoid(inertia: pin.Inertia, colour: str) -> Visual:

@@ -51,7 +51,12 @@ def view_leg(source: Leg | Estimate, geometry: LegGeometry, q: FloatArray, repla
     for each in (*others, draw_weights(geometry, trajectory, down), draw_torques(geometry, trajectory)):
         drawing += each
     if len(trajectory.q) > 1:
-        drawing += Drawing(tracks=_joint_tracks(geometry, trajectory.q))
+        turns, places = np.split(geometry.skeleton.joint_transforms(trajectory.q)[..., :3, :], [3], axis=-1)
+        moves = [
+            {"quaternion": quaternions(turns[:, joint])} if revolute else {"position": places[:, joint, :, 0]}
+            for joint, revolute in enumerate(geometry.skeleton.revolute)
+        ]
+        drawing += Drawing(tracks=dict(zip(geometry.body_paths[1:], moves, strict=True)))
     feet: tuple[Readings, ...] = ()
     if replay is not None and base is not None:
         loads, notes = ground_loads(source, geometry.leg, replay, base)
@@ -86,13 +91,3 @@ def _bodies(geometry: LegGeometry) -> Iterator[Drawing]:
     for label, colours, drawn in layers:
         commands = list(drawn)
         yield Drawing(commands, [Layer(label, colours, tuple(command["path"] for command in commands))])
-
-
-def _joint_tracks(geometry: LegGeometry, q: FloatArray) -> dict[str, dict[str, FloatArray]]:
-    """Keyframes of the joints' motion at angles (F, n) [rad]."""
-    transforms = geometry.skeleton.joint_transforms(q)
-    tracks = {}
-    for joint, (path, revolute) in enumerate(zip(geometry.joint_paths, geometry.skeleton.revolute, strict=True)):
-        turns, places = transforms[:, joint, :3, :3], transforms[:, joint, :3, 3]
-        tracks[f"{path}/body"] = {"quaternion": quaternions(turns)} if revolute else {"position": places}
-    return tracks

@@ -23,11 +23,6 @@ if TYPE_CHECKING:
 
 IndexArray = NDArray[np.int64]
 
-GRID_CELLS = (160, 110, 80, 56, 40)
-"""Cells along a mesh's longest side; vertices of one cell become one. A screen does not show more.
-
-The first number that leaves at most :data:`MAX_TRIANGLES` is used."""
-
 MAX_TRIANGLES = 20_000
 """Largest number of triangles of a mesh."""
 
@@ -120,7 +115,7 @@ def _size(parts: Mapping[str | None, Trimesh]) -> float:
 def _simplified(parts: Mapping[str | None, Trimesh]) -> dict[str | None, Trimesh]:
     """Merge the vertices in each cell of a grid, as fine as :data:`MAX_TRIANGLES` allows."""
     size = _size(parts)
-    for cells in GRID_CELLS:
+    for cells in (160, 110, 80, 56, 40):  # along the longest side: a screen does not show more
         simplified = {colour: _merged(part, size / cells) for colour, part in parts.items()}
         if sum(len(part.faces) for part in simplified.values()) <= MAX_TRIANGLES:
             break

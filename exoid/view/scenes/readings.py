@@ -53,7 +53,13 @@ def joint_readings(
     trajectory = LegTrajectory.of(geometry.leg, q, replay)
     predicted = None
     if isinstance(source, Estimate) and replay is not None and trajectory.measured:
-        predicted = _predicted_torque(source, geometry.leg, replay)
+        try:
+            found = validate(source, for_leg(source.model, replay.recording).resampled())
+        except ExoidError:  # the recording does not allow a prediction
+            pass
+        else:
+            places = [found.joint_names.index(name) for name in geometry.leg.joint_names]
+            predicted = at_frames(replay.time, found.time, found.predicted[:, places], gap=0.05)
     paths, revolute = geometry.joint_paths, geometry.skeleton.revolute
     for joint, name in enumerate(geometry.leg.joint_names):
         body = geometry.leg.tree_joint_names.index(name)
@@ -67,16 +73,6 @@ def joint_readings(
             trajectory.measured,
             ("°", "N·m") if revolute[body] else ("mm", "N"),
         )
-
-
-def _predicted_torque(estimate: Estimate, leg: Leg, replay: Replay) -> FloatArray | None:
-    """Predict the torque at the frames [N·m], (F, n); None where the recording does not allow it."""
-    try:
-        found = validate(estimate, for_leg(estimate.model, replay.recording).resampled())
-    except ExoidError:
-        return None
-    places = [found.joint_names.index(name) for name in leg.joint_names]
-    return at_frames(replay.time, found.time, found.predicted[:, places], gap=0.05)
 
 
 def _numbers(values: FloatArray) -> list[float | None]:

@@ -16,15 +16,6 @@ from .visual import Material, Visual, box, cylinder
 
 LINES = Material("#b9bfc8", finish="flat")
 
-GRID_STEPS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
-"""Distances between the lines on the ground [m]."""
-
-CAMERA = {
-    "metadata": {"version": 4.5, "type": "Object"},
-    "object": {"uuid": "camera", "type": "PerspectiveCamera", "fov": 28, "aspect": 1.5, "near": 0.01, "far": 200},
-}
-"""Camera with a field of view of 28°: nearly parallel projection, so that lengths can be compared."""
-
 SMALLEST = 0.01
 """Smallest half size of the visible volume [m]."""
 
@@ -66,13 +57,16 @@ def draw_surroundings(points: FloatArray, direction: FloatArray, floor: float | 
     for light, intensity in (("AmbientLight", 0.5), ("FillLight", 0.2), ("SpotLight", 0.3)):
         yield set_property(f"/Lights/{light}/<object>", "intensity", intensity)
     yield set_property(spot, "position", above.tolist())
-    yield {"type": "set_object", "path": "/Cameras/default/rotated", "object": CAMERA}
+    # A field of view of 28° is nearly a parallel projection, so that lengths can be compared.
+    view = {"uuid": "camera", "type": "PerspectiveCamera", "fov": 28, "aspect": 1.5, "near": 0.01, "far": 200}
+    whole = {"metadata": {"version": 4.5, "type": "Object"}, "object": view}
+    yield {"type": "set_object", "path": "/Cameras/default/rotated", "object": whole}
 
 
 def _ground(size: float) -> list[Visual]:
     """Make a disc with a grid of lines."""
     radius, thickness = 0.5 * size, 0.002 * size
-    step = max((each for each in GRID_STEPS if each <= 0.3 * radius), default=GRID_STEPS[0])
+    step = max(each for each in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if each <= max(0.3 * radius, 0.01))
     disc = cylinder(radius, thickness, Material("#c8ced6", finish="matte")).placed(
         homogeneous((0.0, 0.0, -0.5 * thickness))
     )

@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 from lxml import etree
 
-from exoid._typing import FloatArray
 from exoid.leg.description import Description, check_numbers
 from exoid.leg.rewriting import numbers_of
 
@@ -55,7 +54,9 @@ def read_visuals(
         except FileNotFoundError as missing:
             notes.append(f"{description.name}, link {link!r}: {missing}, left out")
             continue
-        by_link.setdefault(link, []).extend(shape.placed(_placement(visual)) for shape in drawn)
+        origin = visual.find("origin")
+        place = pin.SE3(pin.rpy.rpyToMatrix(numbers_of(origin, "rpy")), numbers_of(origin, "xyz")).homogeneous
+        by_link.setdefault(link, []).extend(shape.placed(place) for shape in drawn)
     return by_link, tuple(notes)
 
 
@@ -74,13 +75,6 @@ def _drawn_elements(root: etree._Element, links: Sequence[str]) -> tuple[etree._
             geometry[:] = [shape]
             copy.append(visual)
     return robot, unknown
-
-
-def _placement(visual: etree._Element) -> FloatArray:
-    """Transform from a visual to its link, (4, 4)."""
-    origin = visual.find("origin")
-    rotation = pin.rpy.rpyToMatrix(numbers_of(origin, "rpy"))
-    return np.asarray(pin.SE3(rotation, numbers_of(origin, "xyz")).homogeneous)
 
 
 def _shapes(visual: etree._Element, named: dict[str, Material], folder: Path | None) -> Iterable[Visual]:

@@ -23,9 +23,6 @@ HIP, KNEE, ANKLE = 0, 1, 2
 MIN_SPEED = 0.08
 """Smallest speed of samples for kinetic friction [rad/s] (doc. 1, sec. III-G, which prints no number)."""
 
-PAIR_TOLERANCE = np.deg2rad(15.0)
-"""Tolerance of the 180° between paired poses [rad]; a soft servo sags by some degrees, which biases b0."""
-
 
 def document_model(leg: Leg) -> TorqueModel:
     """Make the model with quadratic stiffness and sharp Coulomb friction at every joint (doc. 1, eqs. (21), (34))."""
@@ -52,7 +49,19 @@ def stiffness_coefficients(
 
 def ankle_offset(model: TorqueModel, known: SequentialEstimate, pairs: Poses) -> SequentialEstimate:
     """Identify b0 of the ankle: gravity torques of poses 180° apart cancel (doc. 1, eqs. (22)-(25))."""
-    _refuse_other_than_pairs(model, pairs)
+    if len(pairs) % 2 or not len(pairs):
+        raise BadArgumentError(f"{len(pairs)} poses are not pairs", remedy="pass two consecutive poses for each pair")
+    q = pairs.q[:, [pairs.joint_names.index(name) for name in model.leg.joint_names if name in pairs.joint_names]]
+    apart, ankle = q[1::2].sum(axis=1) - q[0::2].sum(axis=1), q[1::2, -1] - q[0::2, -1]
+    # a soft servo sags by some degrees, which biases b0
+    wrong = np.maximum(np.abs(np.abs(apart) - np.pi), np.abs(ankle)) > np.deg2rad(15.0)
+    if wrong.any():
+        pair = int(wrong.argmax())
+        raise BadArgumentError(
+            f"in pair {pair} θ123 differs by {np.rad2deg(apart[pair]):.1f}° and the ankle by "
+            f"{np.rad2deg(ankle[pair]):.1f}°: gravity does not cancel",
+            remedy="choose poses with θ12 180° apart and the same ankle angle",
+        )
     label = model.leg.joint_labels[ANKLE]
     rows = rows_at_rest(model, pairs, ANKLE).mean_of_pairs()
     own = {name: column for name, column in rows.columns.items() if name.endswith(f"_{label}")}
@@ -95,18 +104,3 @@ def kinetic_friction(
     label = model.leg.joint_labels[joint]
     rows = rows_in_motion(model, recordings, joint, FiniteDifference())
     return known.fit(rows.where(np.abs(rows.v) > MIN_SPEED), [f"c0_{label}"])
-
-
-def _refuse_other_than_pairs(model: TorqueModel, poses: Poses) -> None:
-    if len(poses) % 2 or not len(poses):
-        raise BadArgumentError(f"{len(poses)} poses are not pairs", remedy="pass two consecutive poses for each pair")
-    q = poses.q[:, [poses.joint_names.index(name) for name in model.leg.joint_names if name in poses.joint_names]]
-    apart = q[1::2].sum(axis=1) - q[0::2].sum(axis=1)
-    wrong = (np.abs(np.abs(apart) - np.pi) > PAIR_TOLERANCE) | (np.abs(q[1::2, -1] - q[0::2, -1]) > PAIR_TOLERANCE)
-    if wrong.any():
-        pair = int(wrong.argmax())
-        raise BadArgumentError(
-            f"in pair {pair} θ123 differs by {np.rad2deg(apart[pair]):.1f}° and the ankle by "
-            f"{np.rad2deg(q[2 * pair + 1, -1] - q[2 * pair, -1]):.1f}°: gravity does not cancel",
-            remedy="choose poses with θ12 180° apart and the same ankle angle",
-        )

@@ -86,7 +86,15 @@ class SequentialEstimate:
                 parameters=tuple(names),
                 remedy="measure more poses or longer",
             )
-        inverse = _pseudo_inverse(W, names)
+        scale = column_scale(W)
+        U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
+        if sigma[-1] <= RANK * sigma[0]:
+            raise NotIdentifiableError(
+                f"the measurements do not determine {', '.join(names)} one by one",
+                parameters=tuple(names),
+                remedy="choose poses or motions in which their effects differ",
+            )
+        inverse = (Vt.T / sigma) @ U.T / scale[:, None]
         rest = rows.tau - rows.explained(self.as_dict())
         fitted = inverse @ rest
         variance = float(np.sum((rest - W @ fitted) ** 2)) / dof  # per independent row
@@ -138,15 +146,3 @@ def planar_model(leg: Leg, joints: Sequence[str], document: int, terms: Sequence
             remedy="use exoid.identify, which works for any leg",
         )
     return TorqueModel(leg, tuple(terms))
-
-
-def _pseudo_inverse(W: FloatArray, names: Sequence[str]) -> FloatArray:
-    scale = column_scale(W)
-    U, sigma, Vt = np.linalg.svd(W / scale, full_matrices=False)
-    if sigma[-1] <= RANK * sigma[0]:
-        raise NotIdentifiableError(
-            f"the measurements do not determine {', '.join(names)} one by one",
-            parameters=tuple(names),
-            remedy="choose poses or motions in which their effects differ",
-        )
-    return np.asarray((Vt.T / sigma) @ U.T / scale[:, None])
