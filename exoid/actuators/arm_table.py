@@ -15,9 +15,6 @@ from exoid.tools.numbers import checked
 
 from .attachments import MomentArm
 
-BEYOND = 1e-3
-"""Angles this far beyond the table are noise of the encoder [rad]."""
-
 
 @dataclass(frozen=True)
 class MomentArmTable(MomentArm):
@@ -75,7 +72,8 @@ class MomentArmTable(MomentArm):
 
     def _inside(self, q: FloatArray) -> FloatArray:
         low, high = float(q.min(initial=np.inf)), float(q.max(initial=-np.inf))
-        if low < self.angle[0] - BEYOND or high > self.angle[-1] + BEYOND:
+        noise = 1e-3  # of the encoder [rad], by which angles may be beyond the table
+        if low < self.angle[0] - noise or high > self.angle[-1] + noise:
             raise BadArgumentError(
                 f"angles from {low:.4g} to {high:.4g} rad, and the moment arm was measured from {self.angle[0]:.4g} to "
                 f"{self.angle[-1]:.4g} rad",

@@ -47,14 +47,17 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
     }.get(name, ("share", "amplification", "bandwidth"))
     safety = Safety(options.safe or default.safe, patience=_or(options.patience, default.patience))
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")
+    labels = estimate.leg.joint_labels
+    limit = None if options.limit is None else joint_values(options.limit, "--limit", labels)
     law: object
     if name == OBSERVER:
         law = _observer(estimate, options)
     elif name == GROUND:
-        limit = None if options.limit is None else joint_values(options.limit, "--limit", estimate.leg.joint_labels)
         law = control.stance(estimate, limit=limit, rate=_or(options.rate, 500.0))
     else:
-        law = _limited(_law(estimate, name, options), estimate, options)
+        slew = np.inf if options.slew is None else joint_values(options.slew, "--slew", labels)
+        most = estimate.leg.limits.effort if limit is None else limit
+        law = control.Limited(_law(estimate, name, options), most, slew)
     precision, lines, warnings = target.precision or "double", provenance(estimate), estimate.warnings
     if target.ros2 is not None:
         return write_ros2(target.ros2, law, precision=precision, safety=safety, provenance=lines, warnings=warnings)
@@ -100,14 +103,6 @@ def _observer(estimate: Estimate, options: LawOptions) -> control.MomentumObserv
         )
     bandwidth, rate = _or(options.bandwidth, 8.0), _or(options.rate, 100.0)
     return control.MomentumObserver(estimate, bandwidth, rate, torque_delay=0.0)
-
-
-def _limited(law: AnyLaw, estimate: Estimate, options: LawOptions) -> control.Limited:
-    """Limit the torque, by the URDF where no option says it."""
-    labels = estimate.leg.joint_labels
-    limit = estimate.leg.limits.effort if options.limit is None else joint_values(options.limit, "--limit", labels)
-    slew = np.inf if options.slew is None else joint_values(options.slew, "--slew", labels)
-    return control.Limited(law, limit, slew)
 
 
 def _or(value: float | None, default: float) -> float:

@@ -24,9 +24,6 @@ from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueMode
 from .law import RATE
 from .other_term import OtherTerm, torque_of
 
-CAD = 0.3
-"""Standard deviation of a link's mass in a URDF, relative to the mass."""
-
 
 @dataclass(frozen=True, eq=False)
 class ControlModel:
@@ -351,7 +348,7 @@ def completed(source: Estimate) -> Estimate:
     given = np.zeros(len(source.names))
     given[:count] = leg.parameters
     prior = np.diag((SIZE * np.minimum(source.parameter_scale, source.reference_scale)) ** 2)
-    bodies = payload_covariance(leg, CAD * leg.link_parameters.reshape(-1, 10)[:, 0])
+    bodies = payload_covariance(leg, 0.3 * leg.link_parameters.reshape(-1, 10)[:, 0])  # masses are 30 % wrong
     prior[:count, :count] = bodies + 0.1 * np.diag(np.diag(bodies))  # point masses alone have a singular one in space
     C, apart, among = source.covariance, (given - source.values)[free], np.ix_(free, free)
     # Where both contradict each other (χ² over its mean of 1), errors of the model are not in the covariance C

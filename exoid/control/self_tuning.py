@@ -31,9 +31,6 @@ from .laws import pd
 from .model import ControlModel, ModelSource, completed, payload_covariance
 from .tracking_law import TrackingLaw
 
-TIME_CONSTANT = 0.3
-"""Time constant with which parameters approach the estimate [s]: as long as the estimate is late."""
-
 SLEW, BOUND = 3.0, 5.0
 """Largest rate [1/s] and distance of a parameter from its first value, in standard deviations of the prior."""
 
@@ -93,7 +90,7 @@ class SelfTuning:
         n, shape, feedback = self.settings.n, state.q.shape, self.feedback.torque(state, target)  # refuses bad numbers
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
-        share = min(1.0, 1.0 / (self.rate * TIME_CONSTANT))
+        share = min(1.0, 1.0 / (0.3 * self.rate))  # a time constant of 0.3 s: as long as the estimate is late
         values = values + self._shortened(share * (memory.aim.reshape(values.shape) - values), SLEW / self.rate)
         q, v, a = (x.reshape(n, -1).T for x in (target.q, target.v, acceleration(target)))
         W = self._ahead.regressor(q, v, a)

@@ -24,9 +24,6 @@ LAWS = ("pd", "gravity_friction_pd", "feedforward_pd", "computed_torque", "lqr",
 SENSORS = Sensors(encoder_counts=2.0**13, angle_noise=np.deg2rad(0.03), velocity_noise=0.01, torque_noise=0.3)
 """A potentiometer behind a 13-bit converter, a tachometer, a current sensor; assumed."""
 
-INSTANTS = 64
-"""Number of equally spaced instants of a period over which poses are averaged."""
-
 
 def mean_pose(reference: Reference, period: float) -> FloatArray:
     """Average the angles of a reference over a period.
@@ -42,7 +39,7 @@ def mean_pose(reference: Reference, period: float) -> FloatArray:
         ExoidError: The period is not positive and finite, or the reference is that of several legs.
     """
     checked(period, "the period of the reference [s]", above=0.0)
-    angles = np.array([reference.at(period * k / INSTANTS).q for k in range(INSTANTS)])
+    angles = np.array([reference.at(period * k / 64).q for k in range(64)])
     if angles.ndim != 3 or angles.shape[2] != 1:
         raise BadArgumentError(f"a reference of shape {angles.shape[1:]}", remedy="give that of one leg, (n, 1)")
     return np.asarray(angles[:, :, 0].mean(axis=0))

@@ -14,9 +14,6 @@ from exoid.errors import BadArgumentError
 from exoid.estimate import EstimateData
 from exoid.tools.numbers import checked
 
-DRAWS = 10_000
-"""Number of draws of the tracking error."""
-
 
 @dataclass(frozen=True, eq=False)
 class ToeClearance:
@@ -86,15 +83,16 @@ def toe_clearance(
         b, den = scipy.signal.bilinear([1.0], [1.0, float(damp), float(stiff)], 1.0 / float(steps[0]))
         E[:, j] = scipy.signal.lfilter(b, den, drive[:, j], axis=0)
     rng = np.random.default_rng(seed)
-    errors = rng.multivariate_normal(np.zeros(len(estimate.values)), estimate.covariance, DRAWS)  # (D, P)
+    draws = 10_000
+    errors = rng.multivariate_normal(np.zeros(len(estimate.values)), estimate.covariance, draws)  # (D, P)
     # ∂c/∂q by central differences, (N, n)
     slope = np.stack([(height(q + 1e-6 * row) - height(q - 1e-6 * row)) / 2e-6 for row in np.eye(n)], axis=1)
     planned = height(q)
     drawn = planned - errors @ np.einsum("nj,njp->np", slope, E).T
-    start = np.broadcast_to(checked(start_std, "start_std", least=0.0), n) * rng.standard_normal((DRAWS, n))
+    start = np.broadcast_to(checked(start_std, "start_std", least=0.0), n) * rng.standard_normal((draws, n))
     free = (np.array([[0.0, 1.0], [-kp, -kd]]) for kp, kd in zip(*gains, strict=True))  # ë + kd ė + kp e = 0
     decay = np.column_stack([scipy.linalg.expm((time - time[0])[:, None, None] * A)[:, 0, 0] for A in free])
     drawn -= np.einsum("nj,nj,dj->dn", slope, decay, start)
-    drawn += carried_std * rng.standard_normal((DRAWS, 1))
+    drawn += carried_std * rng.standard_normal((draws, 1))
     lowest = drawn.min(axis=1)
     return ToeClearance(planned, float(np.mean(lowest < 0.0)), float(np.quantile(lowest, 0.05)))

@@ -15,9 +15,6 @@ from .settings import Settings
 from .solution import belief, follow_residuals, solved
 from .state import REMEMBERED, Change, Detector, Information, State
 
-SETTLED = 20.0
-"""Rows for each parameter from which on innovations are noise, not errors of the first values."""
-
 DECISION, PROBATION = 1.5, 20.0
 """Time from a suspicion to the first name of what changed, and for which rows are collected after it: a wrong name is
 found out, and taken back [s]."""
@@ -33,7 +30,8 @@ def advance(settings: Settings, state: State, samples: FloatArray) -> State:
         return _suspect(settings, state, rows) if rows.used.any() else state
     if not rows.used.any():
         return _with_residuals(settings, state, rows)
-    known = np.isfinite(state.std[0]) and state.information.rows.sum() > SETTLED * settings.count
+    # from 20 rows for each parameter on, innovations are noise, not errors of the first values
+    known = np.isfinite(state.std[0]) and state.information.rows.sum() > 20.0 * settings.count
     if known and np.isfinite(settings.detection.limits).all():
         detector = look(settings, state, rows)
         state = state._replace(detector=detector, sharpest=np.maximum(state.sharpest, detector.weights))

@@ -22,9 +22,6 @@ from .stream import FAULTS, Stream
 FALLEN, CONTRADICTED = 10.0, 3.0
 """Ratio of residuals to the smallest so far, and mean statistic of a minute (1 for noise) that contradict intervals."""
 
-PACE = 0.01
-"""Error of the sampling rate, and of the scale of velocities, that counts."""
-
 POOR, PERSISTENT = 0.5, 0.15
 """Share of a joint's torque that no estimate should leave unexplained; where residuals last longer than noise does.
 
@@ -71,12 +68,12 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
         text = f"torques contradict {', '.join(one.parameters)}: errors are {size**0.5:.3g} times the intervals'"
         say("intervals-contradicted", one.joint, size, text, LOOK, one.parameters)
     pace = stream.periods / max(stream.counted, 1)
-    if stream.counted > 100 and abs(pace - 1.0) > PACE:
+    if stream.counted > 100 and abs(pace - 1.0) > 0.01:
         text = f"samples come at {settings.rate / pace:.4g} Hz by their time stamps, not at {settings.rate:.4g} Hz"
         say("stream-rate", "", pace, text, "make the estimator with the rate of the samples")
     ways, products = stream.travel
     for joint, way, product in zip(settings.model.joint_names, ways.tolist(), products.tolist(), strict=False):
-        if way > 0.0 and abs(product / way - 1.0) > 2.0 * PACE:  # a delay of 20 ms takes 1 % of a usual gait's
+        if way > 0.0 and abs(product / way - 1.0) > 0.02:  # a delay of 20 ms takes 1 % of a usual gait's
             text = f"the velocity is {product / way:.3g} times the derivative of the angle"
             say("velocity-scale", joint, product / way, text, "pass no velocity (v=None), or mend its unit or sign")
     for (kind, (message, remedy)), number in zip(FAULTS.items(), stream.counts, strict=True):

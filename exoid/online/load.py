@@ -12,9 +12,6 @@ from exoid.estimate import Estimate
 from exoid.leg.payload import Payload
 from exoid.torques.payloads import payload_parameters
 
-MISFIT = 3.0
-"""Misfit that is worth a remark: that of the right place is about 1, whatever the parameters."""
-
 
 class LoadChange(NamedTuple):
     """Load that was added to a segment; prints itself.
@@ -33,7 +30,8 @@ class LoadChange(NamedTuple):
 
     def __str__(self) -> str:
         """Write one line."""
-        doubt = f"; misfit {self.misfit:.2g}: check the place of the load" if self.misfit > MISFIT else ""
+        # the misfit of the right place is about 1, whatever the parameters
+        doubt = f"; misfit {self.misfit:.2g}: check the place of the load" if self.misfit > 3.0 else ""
         return f"load at {self.joint}: {self.mass:.3g} ± {self.std:.2g} kg{doubt}"
 
 

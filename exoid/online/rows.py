@@ -13,12 +13,6 @@ from exoid._typing import FloatArray
 from .settings import Settings
 from .state import STICKING, UNKNOWN, State
 
-TOUCHED = 0.05
-"""Largest share of a row that samples may have at which a joint may stick."""
-
-STEP = 1e-3
-"""Step of an angle from which the effect of its zero follows [rad]."""
-
 
 class Rows(NamedTuple):
     """Rows of τ = W β, zero where one is left out."""
@@ -72,7 +66,7 @@ def _marks(settings: Settings, v: FloatArray, marks: FloatArray) -> FloatArray:
 
 
 def _kept(W: FloatArray, tau: FloatArray, marks: FloatArray, motion: Sequence[FloatArray], slope: FloatArray) -> Rows:
-    used = marks < TOUCHED
+    used = marks < 0.05  # the share of a row that samples may have at which a joint may stick
     return Rows(W * used[:, :, None], tau * used, used, np.array(motion), slope * used)
 
 
@@ -81,6 +75,6 @@ def faults_of(settings: Settings, rows: Rows, values: FloatArray) -> FloatArray:
     (m, n), unit = rows.tau.shape, np.eye(settings.n)
     scale, late = (x.T[..., None] * unit[:, None] for x in (rows.W @ values, -rows.slope))
     moved = np.tile(rows.motion, (1, 2 * n, 1))
-    moved[0] += np.repeat(STEP * np.vstack([unit, -unit]), m, axis=0)
+    moved[0] += np.repeat(1e-3 * np.vstack([unit, -unit]), m, axis=0)  # [rad]
     more, less = (settings.model.regressor(*moved) @ values).reshape(2, n, m, n) * rows.used
-    return np.concatenate([scale, (less - more).transpose(2, 1, 0) / (2.0 * STEP), late], axis=2)
+    return np.concatenate([scale, (less - more).transpose(2, 1, 0) / 2e-3, late], axis=2)

@@ -18,9 +18,6 @@ from exoid.torques import DryFriction, TorqueModel
 
 from .hypotheses import Detection
 
-NARROWEST = 1.2
-"""Smallest standard deviation in samples for which the derivatives of a Gaussian kernel are accurate to 1 %."""
-
 LAGS = 100
 """Rows over which the correlation of residuals is followed: 2 s at a cut-off of 8 Hz, a stride."""
 
@@ -150,8 +147,9 @@ def kernels(rate: float, cutoff: float, *, flat: bool = False) -> FloatArray:
     # same, d samples late. It is a Gaussian of four σ to each side. A flat one, of five, is a Gaussian times a
     # polynomial that keeps parabolas as they are: it takes 1 % of a signal at 0.38 of its cut-off, a Gaussian 5 %.
     sigma = 1.0 / (cutoff * _width(flat=flat)) if cutoff > 0.0 else math.inf
-    if not NARROWEST <= sigma * rate < 1e5:
-        remedy = f"choose a cut-off below {rate / (NARROWEST * _width(flat=flat)):.3g} Hz, and the rate in Hz"
+    narrowest = 1.2  # standard deviation in samples for which the derivatives are accurate to 1 %
+    if not narrowest <= sigma * rate < 1e5:
+        remedy = f"choose a cut-off below {rate / (narrowest * _width(flat=flat)):.3g} Hz, and the rate in Hz"
         raise BadArgumentError(f"a causal low-pass of {cutoff:.4g} Hz at {rate:.4g} samples a second", remedy=remedy)
     half = math.ceil((4.0 + flat) * sigma * rate)
     t, found = np.arange(-half, half + 1) / (sigma * rate), []

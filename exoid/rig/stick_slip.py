@@ -22,12 +22,6 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
-CORRECTIONS = 12
-"""Largest number of patterns tried before coordinate descent, which always converges."""
-
-REVERSALS = 2
-"""Number of iterations for the time of a reversal within a step."""
-
 
 class Friction(NamedTuple):
     """Admissible impulses of friction and end stops in one step [N·m·s], (n, B) each."""
@@ -109,7 +103,7 @@ def _solve_change(
 
 def _correct(M: FloatArray, b: FloatArray, friction: Friction, pattern: FloatArray, slip: Slip) -> Slip:
     """Correct the pattern until it agrees with its solution."""
-    for _ in range(CORRECTIONS):
+    for _ in range(12):  # then coordinate descent, which always converges
         corrected = _corrected_pattern(friction, pattern, slip)
         if (corrected == pattern).all():
             return slip
@@ -122,7 +116,7 @@ def _correct(M: FloatArray, b: FloatArray, friction: Friction, pattern: FloatArr
 
 def _reverse(M: FloatArray, b: FloatArray, friction: Friction, last: FloatArray, slip: Slip) -> Slip:
     """Apply friction in the old direction until the joint reverses."""
-    for _ in range(REVERSALS):
+    for _ in range(2):  # for the time of the reversal
         reversed_ = slip.v * last < 0.0
         if not reversed_.any():
             break

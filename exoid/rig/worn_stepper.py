@@ -17,7 +17,6 @@ A − (½ dt)² c A_l⁻¹ c.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,14 +29,6 @@ from .controllers import Reference, Target
 from .plant import Plant
 from .stepper import Equations, Step, Stepper
 from .wearer import IMPEDANCES, Wearer
-
-
-class Exchange(NamedTuple):
-    """Energy that muscles and cuffs exchanged so far [J], (B,) each."""
-
-    work: FloatArray  # work of the muscles on the limb
-    dissipated: FloatArray  # energy that the cuffs dissipated
-    turnover: FloatArray  # ∫ |power| dt of the muscles
 
 
 class WornStepper:
@@ -72,9 +63,9 @@ class WornStepper:
         return np.asarray(self._k * (limb_q - q) + self._d * (limb_v - v))
 
     @property
-    def exchange(self) -> Exchange:
-        """Energy that muscles and cuffs exchanged so far."""
-        return Exchange(*(x.sum(axis=0) for x in (self._work, self._dissipated, self._turnover)))
+    def exchange(self) -> FloatArray:
+        """Work of the muscles, energy that the cuffs dissipated, and ∫ |power| dt of the muscles so far [J], (3, B)."""
+        return np.asarray(np.sum([self._work, self._dissipated, self._turnover], axis=1))
 
     def step(self, torque: FloatArray, damping: FloatArray) -> Step:
         """Advance legs and limbs by dt under the actuator torque τ₀ − damping · v̄."""

@@ -11,14 +11,8 @@ from exoid.errors import ExoidError, UnreadableInputError
 MOST_MEMORY = 2**27
 """Size of numbers in memory from which on the expansion of a file is checked [bytes]."""
 
-MOST_EXPANSION = 50
-"""Largest ratio of size in memory to size on disk. Measurements contain noise: few compress by more than 10."""
-
 READER_MEMORY = 2**29
 """Memory that a reader needs beside the content of the file [bytes]."""
-
-SLOWEST = 2e5
-"""Lowest rate at which a file is read [bytes/s]; bags take longest."""
 
 
 def size_on_disk(path: Path) -> int:
@@ -29,13 +23,12 @@ def size_on_disk(path: Path) -> int:
 
 def most_memory(size: int) -> int:
     """Largest plausible size of a file's numbers in memory."""
-    return max(MOST_MEMORY, MOST_EXPANSION * size)
+    return max(MOST_MEMORY, 50 * size)  # measurements contain noise: few compress by more than 10
 
 
 def most_seconds(size: int) -> float:
     """Longest time that reading a file may take."""
-    # Time that a reader needs beside the content of the file [s]
-    return 15.0 + size / SLOWEST
+    return 15.0 + size / 2e5  # start of a reader, and 0.2 MB/s: bags take longest
 
 
 def refuse_expansion(memory: int, path: Path) -> None:

@@ -21,17 +21,10 @@ from typing import Any
 
 from exoid.errors import BadArgumentError, ExoidError, UnreadableInputError
 
-NAME_KEPT = 40
-"""Characters of a file's name that stand in the name of its temporary file; names are limited to 255 bytes."""
-
 STANDARD_OUTPUT = 1
 """Number of the file in which the output of the process goes."""
 
 REPLACES = "is an input, which the output would replace"
-
-
-LARGEST_JSON = 2**26
-"""Length of a file beyond which exoid did not write it [bytes]."""
 
 
 def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> bytes:
@@ -53,7 +46,7 @@ def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> byt
 
 def read_json(path: str | os.PathLike[str], what: str, schema: str, remedy: str) -> dict[str, Any]:
     """Read a file of a schema that exoid wrote."""
-    content = read_bounded(path, LARGEST_JSON, remedy)
+    content = read_bounded(path, 2**26, remedy)  # exoid writes no longer one
     try:
         data = json.loads(content.decode("utf-8"))
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
@@ -205,7 +198,7 @@ def _is_standard_output(target: Path) -> bool:
 
 def _beside(target: Path, ending: str) -> Path:
     """Make a new hidden name in the same folder."""
-    return target.with_name(f".{target.name[:NAME_KEPT]}.{secrets.token_hex(8)}.{ending}")
+    return target.with_name(f".{target.name[:40]}.{secrets.token_hex(8)}.{ending}")  # names have at most 255 bytes
 
 
 def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:

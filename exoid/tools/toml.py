@@ -18,9 +18,6 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-LARGEST = 2**20
-"""Length of a file beyond which nobody has written it by hand [bytes]; its content takes hundreds of times as much."""
-
 BARE = re.compile("[A-Za-z0-9_-]+")
 """Key that needs no quotes."""
 
@@ -30,7 +27,8 @@ parse_toml = tomllib.loads
 def read_toml(path: Path, example: str) -> dict[str, Any]:
     """Read a file; the example says what to write."""
     remedy = f"write {example}"
-    content = read_bounded(path, LARGEST, f"give the path of a TOML file; {remedy}")
+    # nobody writes more than 1 MB by hand, and its content takes hundreds of times as much
+    content = read_bounded(path, 2**20, f"give the path of a TOML file; {remedy}")
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
         _refuse_long_integers(data)

@@ -26,10 +26,6 @@ TURNS = np.array([1.0, -1.0, 1.0])
 """Signs of hip, knee and ankle about −lateral: the knee flexes backward."""
 
 
-BACKWARDS = 0.1
-"""Way of a sole's middle behind the ankle over its length: of BLEEX −0.13, of a symmetric sole 0, reversed 0.13."""
-
-
 @dataclass(frozen=True)
 class Body:
     """Lengths of a wearer in the machine, from which trajectories are scaled.
@@ -190,7 +186,8 @@ def refuse_backwards(leg: Leg, soles: Mapping[str, Sole]) -> None:
         if (side := contact_name(leg, link)) != SEAT:
             sides[side] = float(link_placements(leg, still, link).translation[0] @ leg.plane.lateral)
             ahead = from_joint(leg, link, sole)[:, 0]
-            behind |= bool(ahead.min() + ahead.max() < -2.0 * BACKWARDS * np.ptp(ahead))
+            # the middle is ahead of the ankle by 0.13 of the length of BLEEX's sole, by −0.13 if it is reversed
+            behind |= bool(0.5 * (ahead.min() + ahead.max()) < -0.1 * np.ptp(ahead))
     if behind or sides["left"] < sides["right"] - ROUNDED:
         raise BadArgumentError(
             f"{'the soles point backwards' if behind else 'the left foot is on the right'}: forward is "

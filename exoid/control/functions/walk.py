@@ -16,12 +16,6 @@ from exoid.tools.numbers import checked
 from .body import SIDES, Body
 from .function import PHASE, Function
 
-LIFT = 0.015
-"""Height by which a swinging foot is lifted more than in the reference [m]."""
-
-DOWN = 0.004
-"""Height of the lowest point of a sole below which a foot of a walk counts as on the ground [m]."""
-
 
 def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArray:
     """Tabulate hip, knee and ankle over a stride from heel contact, flexion at :data:`PHASE` [rad], (K, 3)."""
@@ -99,13 +93,13 @@ def walk(
     for k in range(2):
         sole = body.sole(hip, 0.0, both[:, k])
         height = np.maximum(sole.imag.min(axis=1), 0.0)
-        raised = sole.mean(axis=1) + 1j * LIFT * height / (height + 0.01)
+        raised = sole.mean(axis=1) + 1j * 0.015 * height / (height + 0.01)  # [m] higher
         tilt = np.angle(sole[:, 1] - sole[:, 0])
         found = body.reach(hip, 0.0, raised, tilt if body.ankle else np.zeros(len(PHASE)))
         found[:, 2] *= bool(body.ankle)
         flexion.append(found)
     lowest = np.array([body.sole(hip, 0.0, each).imag.min(axis=1) for each in flexion])
-    down = lowest < DOWN + low.min(axis=0) + hip.imag
+    down = lowest < 0.004 + low.min(axis=0) + hip.imag
     down |= ~down.any(axis=0) & (low == low.min(axis=0))  # never in the air
     sets = [frozenset(side for side, flag in zip(SIDES, flags, strict=True) if flag) for flags in down.T]
     order = tuple((float(PHASE[k]), one) for k, one in enumerate(sets) if k == 0 or one != sets[k - 1])

@@ -37,9 +37,6 @@ EFFORT, SHARE, DRIFT = 1e-4, 1e-3, 1e-3
 ARM = 0.1
 """Arm by which forces and moments on a sole are compared [m]."""
 
-MARGIN = 0.01
-"""Distance of the centre of pressure from the ends of a sole beside two standard deviations of its place [m]."""
-
 FADING = 0.05
 """Share, over the largest one, below which a contact fades."""
 
@@ -350,7 +347,8 @@ def stance(
         float(ground_friction),
         np.broadcast_to(checked(limit, "limit", least=0.0, infinite=True), n),
         np.broadcast_to(checked(power, "power", above=0.0, infinite=True), n),
-        MARGIN + (0.0 if estimate is None else 2.0 * _pressure_std(estimate)),
+        # distance of the centre of pressure from the ends of a sole [m], with two standard deviations of its place
+        0.01 + (0.0 if estimate is None else 2.0 * _pressure_std(estimate)),
         estimate,
         float(checked(rate, "rate", above=0.0)),
     )

@@ -25,15 +25,6 @@ LOADING = 0.15
 BOUNCE = 0.02
 """Time for which an open switch still counts as closed, and then time in which the foot loses its share [s]."""
 
-LEVEL = 0.05
-"""Tilt up to which a sole counts as flat, which presses both its ends down [rad]."""
-
-TURNS = 0.01
-"""Planned tilt from which a sole turns about its heel or toe [rad]."""
-
-BLENDING = 0.5
-"""Time in which the reference moves from one function to the next [s], an assumption."""
-
 SEEK, LONGEST = 0.3, 0.3
 """Speed at which a foot that missed its planned contact is lowered [m/s], and the longest time [s]."""
 
@@ -74,8 +65,9 @@ class LawLoop:
             turns = np.append(self.law.model.turns[link], 1.0)
             tilt = float(turns @ np.append(reading.q, reading.pitch)) - self.lean
             planned = 0.0 if plan is None else float(turns @ plan) - self.lean
-            # a sole that is to turn about its toe must not be held: the machine would work against itself
-            tilt, level = (planned, TURNS) if abs(planned) > TURNS else (tilt, LEVEL)
+            # a sole that is to turn about its toe must not be held: the machine would work against itself. One that is
+            # tilted by up to 0.05 rad presses both its ends down
+            tilt, level = (planned, 0.01) if abs(planned) > 0.01 else (tilt, 0.05)
             contacts[link] = "flat" if abs(tilt) < level else "heel" if tilt > 0.0 else "toe"
         pose = reading.q, reading.v, reading.pitch, reading.pitch_rate
         self.state = GroundState(*pose, contacts, shares, interaction, reading.push, self.lean)
@@ -332,7 +324,7 @@ class CoordinatedLoop(LawLoop):
                 speed[own] += (way := SEEK * self._lowering(q, side, own))
                 lower[own] = self._late[side] * way
         self._since += dt
-        self._x = x + self._off * (1.0 - minimum_jerk(self._since / BLENDING))
+        self._x = x + self._off * (1.0 - minimum_jerk(self._since / 0.5))  # half a second from one function to the next
         # soles turn as the function plans: the reference that meets a foot where it landed has an error of the pitch
         return _target(self._x + lower, speed, bend * rate**2), x
 

@@ -14,9 +14,6 @@ from exoid._typing import FloatArray
 HISTORY = 10.0
 """Delays of the channels after which their filters have forgotten."""
 
-LONGEST = 200_000
-"""Samples after which an impulse response counts as over."""
-
 
 @dataclass(frozen=True, eq=False)
 class JointFilter:
@@ -42,8 +39,9 @@ class JointFilter:
     def impulse_response(self, x: FloatArray) -> FloatArray:
         """Filter a short input (k,) until the output is over."""
         radius = float(np.abs(np.roots(self.a)).max(initial=0.0))
-        rings = LONGEST if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))  # to e⁻³⁰
-        inputs = np.zeros(min(len(x) + rings, LONGEST))
+        longest = 200_000  # samples, after which the response counts as over
+        rings = longest if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))  # to e⁻³⁰
+        inputs = np.zeros(min(len(x) + rings, longest))
         inputs[: len(x)] = x
         return self.run(np.zeros(self.order), inputs)[0]
 

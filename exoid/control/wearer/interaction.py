@@ -39,10 +39,6 @@ from .gait import GaitProfile, find_phase, profile
 HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
 """Columns of :meth:`Interaction.rows`; the last is the smallest RMS that the test would notice [N·m]."""
 
-OUTSIDE = 0.25
-"""Share outside the band, about the mean, from which "not worn" is no answer; that of unworn logs is 0.11 at most
-(``scripts/study_interaction.py --unworn --seeds 3``), and of residuals 1.5 times as large 0.2."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Interaction(ReadOnly, Report):
@@ -96,7 +92,9 @@ class Interaction(ReadOnly, Report):
         """Joints of which much is outside the band about the mean, but below the least that the test would notice."""
         outside = (np.abs(self.torque - self.mean) > self.band).mean(axis=0)
         tested = zip(self.joint_names, outside, self.actions, strict=True)
-        return tuple(name for name, share, one in tested if share > OUTSIDE and one.p_value >= 0.0 and not one.acts)
+        # Outside are at most 0.11 of an unworn log (`scripts/study_interaction.py --unworn --seeds 3`), and 0.2 where
+        # residuals are 1.5 times as large.
+        return tuple(name for name, share, one in tested if share > 0.25 and one.p_value >= 0.0 and not one.acts)
 
     @property
     def rms(self) -> FloatArray:

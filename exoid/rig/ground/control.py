@@ -18,9 +18,6 @@ from .engine import Engine, Holder
 from .motion import JointGains, JointTargets, per_joint
 from .sensors import GroundSensors
 
-LOWPASS = 30.0
-"""Cut-off frequency of velocities that are differences of noisy angles [Hz], an assumption."""
-
 
 class GroundReading(NamedTuple):
     """Readings at a sample of the controller.
@@ -185,7 +182,7 @@ class Reader:
                 q[joint], v[joint] = self._frozen.setdefault(name, (float(q[joint]), 0.0))
         if self._noise is not None:
             old_q, old_v = self._last or (q, v)
-            blend = 1.0 - np.exp(-2.0 * np.pi * LOWPASS * self._period)
+            blend = 1.0 - np.exp(-2.0 * np.pi * 30.0 * self._period)  # a low-pass of 30 Hz, an assumption
             v = old_v + blend * ((q - old_q) / self._period - old_v) if self._last else v
             self._last = q.copy(), v.copy()
         pose = q, v, float(pitch), float(pitch_rate)

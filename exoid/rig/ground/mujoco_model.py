@@ -68,10 +68,6 @@ def geometry_name(link: str, number: int) -> str:
     return f"exoid sole {number} {link}"
 
 
-def _base_joint(name: str) -> str:
-    return f"exoid base {name}"
-
-
 def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noqa: ANN401
     model, kinds = plant.leg.model, mujoco.mjtJoint
     torso = spec.worldbody.add_body(name="exoid torso")
@@ -83,9 +79,9 @@ def _add_bodies(spec: Any, mujoco: Any, plant: GroundPlant) -> list[Any]:  # noq
         for name, kind, axis in zip(
             ("forward", "up", "pitch"), (kinds.mjJNT_SLIDE,) * 2 + (kinds.mjJNT_HINGE,), axes, strict=True
         ):
-            torso.add_joint(name=_base_joint(name), type=kind, axis=axis)
+            torso.add_joint(name=f"exoid base {name}", type=kind, axis=axis)
     else:
-        torso.add_freejoint(name=_base_joint("free"))
+        torso.add_freejoint(name="exoid base free")
     for j in range(1, model.njoints):
         place = model.jointPlacements[j]
         x, y, z, w = pin.Quaternion(place.rotation).coeffs()
