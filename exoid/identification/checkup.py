@@ -25,7 +25,7 @@ from .findings.score import in_half_widths
 from .findings.search import delays, find_faults
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import changed, torque_delays
+from .row_changes import change_recordings, torque_delays
 
 
 def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
@@ -55,7 +55,7 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
     if all(isinstance(one, Poses) or one.a is not None for one in every):
         return fitted
     try:
-        problems = (changed(problem, partial(_noisier, np.random.default_rng(0), x)) for x in (1.0, -1.0))
+        problems = (change_recordings(problem, partial(_noisier, np.random.default_rng(0), x)) for x in (1.0, -1.0))
         noisy = [fit_linear(each, estimator).fit.solution.values for each in problems]
     except ExoidError:
         return fitted
@@ -100,8 +100,8 @@ def rounding_errors(
         return none, ()
     try:
         again = (
-            changed(problem, lambda _, one: one),
-            *(changed(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8)),
+            change_recordings(problem, lambda _, one: one),
+            *(change_recordings(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8)),
         )
         fits = [fit_linear(each, estimator) for each in again]
     except ExoidError:

@@ -19,7 +19,7 @@ from exoid.torques.contacts.standing_base import LEVEL, StandingBase, standing_b
 
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Effects, RowChanges, changed, row_changes
+from .row_changes import Effects, RowChanges, change_recordings, row_changes
 
 KNOT, COLOURS = 0.25, 6
 """Time between knots of a lean that varies [s]; every sixth is changed at once."""
@@ -95,18 +95,38 @@ class Footing(NamedTuple):
 
 
 def find_footing(fitted: Fitted, about: Footing | None = None, *, rocking: bool = False) -> Footing | None:
-    """Estimate compliance of soles, lean of the ground and bias of a sensor beside the parameters."""
-    about = _begin(fitted, about, rocking=rocking)
-    if about is None:
+    """Estimate compliance of soles, lean of the ground and bias of a sensor beside the parameters; None for none."""
+    leg = fitted.models[0].leg
+    data = fitted.problem.motions
+    links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
+    # a lean of the ground turns gravity in what feet told, too
+    stand = bool(links) or any(isinstance(one.base, CorrectedBase) and one.base.pose is None for one in data)
+    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
+    if not stand and not biased:
         return None
-    found, soles = row_changes(fitted, footing_effects(fitted, about)), len(about.links)
-    free = about.found.values + found.values
+    forward, lateral, up = leg.plane
+    turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
+    # biases of a sensor before any log is seen: 0.02 rad/s and 0.2 m/s² (standard deviations)
+    axes, sensor = turns[: 2 * stand], scipy.linalg.block_diag(0.02 * turns, 0.2 * pushes)[: 6 * biased]
+    count = len(links) + len(axes) + len(sensor)
+    values, knots = (np.zeros(count), {}) if about is None else (about.found.values, dict(about.knots))
+    if rocking and not knots:  # a foot that rocks leans otherwise at each time, by a cubic spline
+        values = np.append(values, np.zeros(2 * len(links)))
+        for one in data:
+            if isinstance(one.base, StandingBase) and one.q.tobytes() not in knots:
+                several = int((one.time[-1] - one.time[0]) / KNOT) + 4
+                knots[one.q.tobytes()] = range(len(values), len(values) + several)
+                values = np.append(values, np.zeros(several))
+    none = np.zeros((len(values), len(values)))
+    start = Footing(links, axes, sensor, RowChanges(values, none, none, none), knots)
+    found, soles = row_changes(fitted, footing_effects(fitted, start)), len(links)
+    free = values + found.values
     values = np.append(np.maximum(free[:soles], 0.0), free[soles:])
     # Part of itself by which a compliance varies: soles are stiffer under more load
     doubt = (free - values) ** 2
     doubt[:soles] += (0.2 * values[:soles]) ** 2
     covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
-    return about._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
+    return start._replace(found=found._replace(values=values, covariance=covariance, spread=spread))
 
 
 def footing_effects(fitted: Fitted, about: Footing) -> Effects:
@@ -135,33 +155,6 @@ def footing_effects(fitted: Fitted, about: Footing) -> Effects:
     return Effects(others, np.repeat(STEPS, sizes), np.repeat(STDS, counts), -about.found.values, numbers)
 
 
-def _begin(fitted: Fitted, about: Footing | None, *, rocking: bool) -> Footing | None:
-    """Tell what numbers say how feet stand, with the values that were found before; None where there are none."""
-    leg = fitted.models[0].leg
-    data = fitted.problem.motions
-    links = tuple(dict.fromkeys(one.base.link for one in data if isinstance(one.base, StandingBase)))
-    # a lean of the ground turns gravity in what feet told, too
-    stand = bool(links) or any(isinstance(one.base, CorrectedBase) and one.base.pose is None for one in data)
-    biased = leg.base_rows and any(_may_be_biased(one.base) for one in data)
-    if not stand and not biased:
-        return None
-    forward, lateral, up = leg.plane
-    turns, pushes = (np.eye(3), np.eye(3)) if leg.base_rows == 6 else (np.array([lateral]), np.array([forward, up]))
-    # biases of a sensor before any log is seen: 0.02 rad/s and 0.2 m/s² (standard deviations)
-    axes, sensor = turns[: 2 * stand], scipy.linalg.block_diag(0.02 * turns, 0.2 * pushes)[: 6 * biased]
-    count = len(links) + len(axes) + len(sensor)
-    values, knots = (np.zeros(count), {}) if about is None else (about.found.values, dict(about.knots))
-    if rocking and not knots:  # a foot that rocks leans otherwise at each time, by a cubic spline
-        values = np.append(values, np.zeros(2 * len(links)))
-        for one in data:
-            if isinstance(one.base, StandingBase) and one.q.tobytes() not in knots:
-                several = int((one.time[-1] - one.time[0]) / KNOT) + 4
-                knots[one.q.tobytes()] = range(len(values), len(values) + several)
-                values = np.append(values, np.zeros(several))
-    none = np.zeros((len(values), len(values)))
-    return Footing(links, axes, sensor, RowChanges(values, none, none, none), knots)
-
-
 def tilted(problem: Problem, footing: Footing, before: Footing | None = None) -> Problem:
     """Let the feet that carry the base tilt on their soles, and the ground lean; take the bias of the sensor out."""
     imu = footing.imu
@@ -178,7 +171,7 @@ def tilted(problem: Problem, footing: Footing, before: Footing | None = None) ->
             return one
         return replace(one, base=replace(imu.corrected(one.base), calibrated=False))
 
-    return changed(problem, tilt)
+    return change_recordings(problem, tilt)
 
 
 def _may_be_biased(base: BaseMotion | None) -> bool:

@@ -26,7 +26,7 @@ from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .footing import Footing, footing_effects
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Effects, best_reading, changed, equations, residual
+from .row_changes import Effects, best_reading, change_recordings, equations, residual
 
 SIZES = {
     "torque-scale": (0.02, 0.3, "1", 4.0),
@@ -160,7 +160,7 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
 def _mended(problem: Problem, footing: Footing | None, kind: str, joint: int, size: float) -> Problem:
     """Take a fault of a size out of all recordings, or a lean of a fixed base out of the model."""
     if kind != "gravity-direction":
-        return changed(problem, partial(_without, footing, kind, joint, size))
+        return change_recordings(problem, partial(_without, footing, kind, joint, size))
     groups = []
     for group in problem.groups:
         leg, model = group.model.leg, group.model.leg.model.copy()

@@ -84,7 +84,7 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
         return np.zeros(len(joints)), np.zeros(len(joints))
 
     def shifted(delays: Mapping[int, float]) -> Problem:
-        return changed(problem, lambda _, one: without_torque_delay(one, delays), parts)
+        return change_recordings(problem, lambda _, one: without_torque_delay(one, delays), parts)
 
     step = 2e-3  # [s]
     late = [shifted({joint: step}) for joint in range(len(joints))]
@@ -196,7 +196,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
     return Equations(information, right, prior, np.array([*scores.values()]), free, squares, len(blocks))
 
 
-def changed(
+def change_recordings(
     problem: Problem, change: Callable[[Group, Recording], Recording], parts: Sequence[int] | None = None
 ) -> Problem:
     """Change the recordings of some groups, of all if None; of many on disk a few remain."""
@@ -260,7 +260,7 @@ def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = No
     # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
     problem = replace(problem, given=replace(problem.given, nonnegative=True))
     try:  # a passive joint has no torque of another
-        problem = problem if reading is None else changed(problem, read, parts)
+        problem = problem if reading is None else change_recordings(problem, read, parts)
         values = wls(problem).solution.values
     except (ExoidError, np.linalg.LinAlgError):
         return None

@@ -13,7 +13,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (7105, 5000),
     "estimate": (3494, 2900),
     "experiments": (3446, 3200),
-    "identification": (8125, 7200),
+    "identification": (8098, 7200),
     "lab": (4462, 5000),
     "leg": (4509, 4200),
     "online": (1575, 1500),
@@ -21,7 +21,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "rig": (3325, 3200),
     "signals": (6027, 5300),
     "tools": (1062, 1800),
-    "torques": (2721, 2800),
+    "torques": (2712, 2800),
     "view": (3635, 3400),
 }
 

@@ -194,17 +194,6 @@ class State:
         every[self.evidence.free] = of_free
         return every
 
-    def conspicuous(self, nuisances: Sequence[Nuisance]) -> list[Nuisance]:
-        """Leave out faults of one number that explain little and are likely in noise alone: all are tested at once."""
-        tests, single = self._tests, [one for one in nuisances if len(one.columns) == 1]
-        columns, rss = [one.columns[0] for one in single], float(self.residual @ self.residual)
-        score = tests.score[columns]
-        information, noise = (np.diag(M)[columns] for M in (tests.information, tests.noise))
-        p_values = scipy.special.fdtrc(1, self.dof, score**2 / np.maximum(noise, TINY))
-        odd = (p_values < WORTH_A_LOOK) | (score**2 > LARGE_GAIN * rss * np.maximum(information, TINY))
-        left_out = {one for one, is_odd in zip(single, odd, strict=True) if not is_odd}
-        return [one for one in nuisances if one not in left_out]
-
     def test(self, nuisance: Nuisance, plain: State, limit: float = 1.0) -> Score | None:
         """Test one fault, which moves the parameters of a fit without protecting columns.
 

@@ -172,7 +172,7 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     # columns of a force only resemble a strap: what they leave looks like waves of the angle
     pulled = {("angle-ripple", one.joint) for one in beside.faults if one.kind == "unmodelled-force"}
     new = [one for one in candidates if one not in beside.faults and (one.kind, one.joint) not in pulled]
-    tested = ((one, WORTH_A_LOOK if one.kind == "torque-delay" else limit) for one in state.conspicuous(new))
+    tested = ((one, WORTH_A_LOOK if one.kind == "torque-delay" else limit) for one in new)
     scores = [state.test(one, plain, most) for one, most in tested]
     # what a first step left of faults that were taken out
     scores += [beside.fit(fault).test(fault, plain, limit) for fault in beside.faults if fault.is_corrected]

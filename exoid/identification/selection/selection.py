@@ -11,18 +11,12 @@ import numpy as np
 
 from exoid.errors import BadArgumentError, ExoidError, NotIdentifiableError, NotSupportedError
 from exoid.estimate.estimate import Estimate
-from exoid.identification.gather import model_with
+from exoid.identification.estimators import wls
+from exoid.identification.gather import begin, gather
 from exoid.identification.identify import FitOptions, identify
-from exoid.identification.recording_summary import (
-    refuse_dead_torques,
-    refuse_still_joints,
-    summarize,
-    unmeasured_joints,
-)
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, ZeroPhase
-from exoid.signals.cutoff import choose_cutoff
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Armature, Term
 from exoid.torques.catalog import TERMS, terms_of
@@ -170,22 +164,19 @@ def select_terms(
         raise BadArgumentError(what, remedy="pass recordings, and at least 3 folds")
     if not all(isinstance(recording, Recording) for recording in several):
         raise BadArgumentError("poses cannot be cut into stretches of time", remedy="pass recordings only")
-    cutoff = choose_cutoff(several) if cutoff is None else cutoff
     if leg.base_rows:
         remedy = 'pass terms to identify, or select with base="moving" and recordings without wrenches and contacts'
         raise NotSupportedError("friction is not selected beside rows of the base", remedy=remedy)
-    knowledge = PriorKnowledge(known or {})
-    model = model_with(leg, (Armature(), *beside), knowledge.known)
-    knowledge.check(model)
-    summaries = [summarize(model, recording, for_cutoff=False) for recording in several]
-    refuse_still_joints(model, summaries)
-    refuse_dead_torques(model, summaries)
-    if missing := unmeasured_joints(leg.joint_labels, summaries):
+    problem = begin(leg, several, (Armature(), *beside), wls, PriorKnowledge(known or {}))
+    group = gather(problem, wls, own=None, preparation=None, cutoff=cutoff, check=False).single
+    assert isinstance(group.preparation, ZeroPhase)
+    several, cutoff = group.motions, group.preparation.cutoff
+    if missing := group.unmeasured:
         raise NotIdentifiableError(
             f"the friction of {', '.join(missing)} cannot be chosen: that torque was not measured",
             remedy="lock these joints in the leg",
             command="name the joints that were measured by --joints",
-            joints=tuple(missing),
+            joints=missing,
         )
     late = {}  # delays of torques, if all are late: friction would be chosen to imitate them
     with suppress(ExoidError):
@@ -193,7 +184,7 @@ def select_terms(
         how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
         delays = identify(leg, several, (*terms_of(leg, None), *beside), **how).torque_delays
         late = dict(enumerate(delays.tolist())) if (delays > 0.0).all() else {}
-    search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=knowledge.known)
+    search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=problem.given.known)
     report = progress or (lambda share: None)
     candidates, chosen, columns, estimate = select_by_joint(search, report)
     joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))

@@ -64,7 +64,10 @@ def eliminate(
     found = Elimination(lever, None, np.ones(len(q), dtype=np.bool_))
     if C is not None:
         squares, U = np.linalg.eigh(C @ np.swapaxes(C, 1, 2))
-        rank = _rank(leg, links)
+        # poses by chance have no symmetries; smaller singular values are those of directions that cannot move anyway
+        _, chains = _constraints(leg, links, np.random.default_rng(0).standard_normal((5, len(leg.joint_names))))
+        assert chains is not None
+        rank = int(np.linalg.matrix_rank(chains, rtol=1e-6).max())
         kept = squares[:, -rank:]
         fit = kept[:, 0] > 0.03**2 * kept[:, -1]  # at a straight knee a foot can hardly move up
         # zero is the constraint of a sample that is not fit
@@ -106,15 +109,6 @@ def _constraints(
         lever = np.asarray(np.linalg.solve(first[..., :base], first[..., base:]), dtype=np.float64)
         jacobians = [each[..., base:] - each[..., :base] @ lever for each in jacobians]
     return lever, np.concatenate(jacobians, axis=1) if jacobians else None
-
-
-def _rank(leg: Leg, links: Sequence[str]) -> int:
-    """Number of independent constraints of closed chains in a pose without symmetries, the most of five by chance."""
-    poses = np.random.default_rng(0).standard_normal((5, len(leg.joint_names)))
-    _, C = _constraints(leg, links, poses)
-    assert C is not None
-    # smaller singular values are those of directions that cannot move anyway
-    return int(np.linalg.matrix_rank(C, rtol=1e-6).max())
 
 
 def reference_axes(leg: Leg, links: Sequence[str], q: FloatArray) -> FloatArray | None:

@@ -13,9 +13,6 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.signals import Recording
 
-FEWEST, LATEST = 4, 0.02
-"""Touch-downs by which a switch is judged, and time by which it is late [s]."""
-
 
 def foot_of(leg: Leg, link: str) -> str:
     """Foot whose heel or toe a link is; any other link is its own."""
@@ -68,12 +65,12 @@ def on_time(leg: Leg, recording: Recording) -> tuple[Recording, dict[str, float]
         starts = np.flatnonzero(down[1:] & ~down[:-1]) + 1
         starts = starts[(starts + around[0] > 0) & (starts + around[-1] < len(down))]
         starts = starts[~down[starts[:, np.newaxis] + around[around < 0]].any(axis=1)]
-        if len(starts) < FEWEST:
+        if len(starts) < 4:  # too few to judge a switch by
             continue
         size = np.median(jolts[starts[:, np.newaxis] + around], axis=0)
         first = -int(around[np.argmax(size)])
         others = max(1.5 * size[np.abs(around) <= 0.01 * rate].max(), 3.0 * np.median(size))
-        if first >= LATEST * rate and size.max() > others:
+        if first >= 0.02 * rate and size.max() > others:
             late[foot] = first / rate
             contacts |= {link: np.convolve(contacts[link], np.ones(1 + first))[first:] > 0.5 for link in links}
     return replace(recording, contacts=contacts), late
