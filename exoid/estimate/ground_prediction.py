@@ -20,7 +20,7 @@ from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
 from exoid.regression.rows import for_leg
 from exoid.signals import Recording, Wrench
-from exoid.signals.cutoff import noisier, noisier_base
+from exoid.signals.cutoff import noisier, noisier_base, white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
@@ -174,21 +174,30 @@ def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Gene
 
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Solve for the wrenches of the links of a stretch in level axes, (N, 6 m), and their standard deviations."""
+    """Solve J_cᵀ w = W β − [0; τ] at each sample of a stretch, in level axes: w of all feet and its std, (N, 6 m)."""
     model, leg, recording = estimate.model, estimate.model.leg, stretch.recording
     assert recording.tau is not None
     assert recording.mask is not None
     rows = np.flatnonzero(recording.mask)
     q, v, a, _ = estimate.preparation.kinematics(recording)
     motion = model.motion(q, v, a, base_during(recording, estimate.preparation))
-    columns = model.columns(motion)
     known = model.row_torque(recording.tau, motion, recording.wrenches)
-    wide = np.concatenate([columns, known.T[np.newaxis]])
+    wide = np.concatenate([model.columns(motion), known.T[np.newaxis]])
     wide = _filtered(estimate, recording, wide)[..., rows]
-    W, measured = wide[:-1].transpose(2, 1, 0), wide[-1].T
-    base = motion.rows(rows).torso
+    W, base = wide[:-1].transpose(2, 1, 0), motion.rows(rows).torso
     jacobian = np.concatenate([_level_jacobian(leg, q[rows], link, base) for link in feet], axis=1)
-    return _solve(estimate, jacobian, [_borne(leg, link) for link in feet], W, W @ estimate.values - measured)
+    # Weights are those of the errors of each row. Torques may be noisier than in the training, as larger ones are.
+    white = estimate.preparation.independent_fraction(recording.sample_rate) * white_noise(recording.tau) ** 2
+    noise = np.append(np.zeros(leg.base_rows), np.maximum(estimate.residual_rms**2, white))
+    doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
+    size = np.maximum(np.sqrt(noise + doubt), np.finfo(np.float64).eps)  # a log without noise has rows without error
+    inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
+    variance = inverse**2 @ noise + parameter_variance(estimate.covariance, inverse @ W)
+    seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
+    # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
+    whole = np.concatenate([_borne(leg, link).diagonal() for link in feet])
+    std = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
+    return np.einsum("ncr,nr->nc", inverse, W @ estimate.values - wide[-1].T), std
 
 
 def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray) -> FloatArray:
@@ -201,23 +210,6 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
     flat = np.where(recording.mask, signals.reshape(-1, signals.shape[-1]), 0.0)
     gain = parallel.among_zeros(recording.mask[np.newaxis].astype(np.float64), every)[0]
     return (parallel.among_zeros(flat, every) / np.where(recording.mask, gain, 1.0)).reshape(signals.shape)
-
-
-def _solve(
-    estimate: EstimateData, jacobian: FloatArray, borne: Sequence[FloatArray], W: FloatArray, excess: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Solve J_cᵀ w = W β − [0; τ] by weighted least squares at each sample, in level axes."""
-    noise = np.append(np.zeros(estimate.model.leg.base_rows), estimate.residual_rms) ** 2
-    doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
-    size = np.maximum(np.sqrt(noise + doubt), np.finfo(np.float64).eps)  # a log without noise has rows without error
-    inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
-    through = inverse @ W
-    variance = inverse**2 @ noise + parameter_variance(estimate.covariance, through)
-    seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
-    # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
-    whole = np.concatenate([each.diagonal() for each in borne])
-    std = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
-    return np.einsum("ncr,nr->nc", inverse, excess), std
 
 
 def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: MovingBase | None) -> FloatArray:

@@ -114,6 +114,9 @@ def test_the_force_under_squats_follows_from_torques_after_jumps_on_a_plate():
     force = ground_forces(found, log("press"))["foot"]
     true = run("press").force[np.searchsorted(run("press").time, force.time), 2]
     assert np.sqrt(np.mean((force.force[:, 2] - true) ** 2)) < 0.15 * true.std()
+    noise = 0.5 * log("press").tau.std(axis=0) * np.random.default_rng(2).standard_normal(log("press").tau.shape)
+    noisier = ground_forces(found, replace(log("press"), tau=log("press").tau + noise))["foot"]
+    assert np.mean(np.abs(noisier.force - force.force)[:, 2] < noisier.force_half[:, 2]) > 0.93
     jumps = log("jump")  # what a log begins with, here a landing, changes no force that is predicted
     landing = 1000 + int(np.flatnonzero(np.diff(jumps.contacts["foot"][1000:].astype(int)) > 0)[0])
     cut, whole = (ground_forces(found, each)["foot"] for each in (jumps.slice(landing - 26), jumps))
