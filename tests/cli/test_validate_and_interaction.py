@@ -1,4 +1,4 @@
-"""``exoid interaction``: table, JSON, CSV, report, and refusals."""
+"""``exoid validate`` and ``exoid interaction``: cut-off, verdict and exit status; table, JSON, CSV and strides."""
 
 import dataclasses
 import json
@@ -12,12 +12,12 @@ import exoid
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, data, estimate):
-    """An estimate, and a log of the leg with a wearer who pushes at 0.7 Hz."""
-    path = tmp_path_factory.mktemp("interaction")
+    """An estimate, and logs of the leg: with a wearer who pushes at 0.7 Hz, with the other sign, and heavier."""
+    path, test = tmp_path_factory.mktemp("logs"), data.test
     estimate.save(path / "leg.json")
-    test = data.test
     push = 3.0 * np.sin(2.0 * np.pi * 0.7 * test.time)[:, None]
-    dataclasses.replace(test, tau=test.tau - push).to_csv(path / "worn.csv")
+    for name, tau in (("worn", test.tau - push), ("negated", -test.tau), ("heavier", 1.2 * test.tau)):
+        dataclasses.replace(test, tau=tau).to_csv(path / f"{name}.csv")
     return path
 
 
@@ -25,6 +25,12 @@ def folder(tmp_path_factory, data, estimate):
 def interaction(folder, exoid_, monkeypatch):
     monkeypatch.chdir(folder)
     return partial(exoid_, "interaction", "leg.json")
+
+
+@pytest.fixture
+def validate(folder, exoid_, monkeypatch):
+    monkeypatch.chdir(folder)
+    return partial(exoid_, "validate", "leg.json")
 
 
 def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(interaction):
@@ -59,3 +65,23 @@ def test_strides_give_the_phase(interaction):
     gait = json.loads(out)["gait"]
     assert gait["period"] == 2.0
     assert len(gait["phase"]) == len(gait["joints"]["left_hip"]["power"]) == 20
+
+
+def test_an_estimate_that_predicts_ends_in_status_0(validate):
+    code, out, err = validate("bleex_swing:test", "--strict")
+    assert (code, err) == (0, "")
+    assert "verdict: predicts\n" in out
+
+
+def test_an_estimate_that_does_not_predict_ends_in_status_1_with_the_table(validate):
+    code, out, err = validate("negated.csv")
+    assert (code, err) == (1, "")
+    assert "R²" in out
+    assert "verdict: does not predict" in out
+
+
+def test_a_poor_prediction_fails_only_under_strict(validate):
+    code, out, _ = validate("heavier.csv", "--json")
+    assert (code, json.loads(out)["verdict"]) == (0, "predicts poorly")
+    code, strict, _ = validate("heavier.csv", "--json", "--strict")
+    assert (code, strict) == (1, out)
