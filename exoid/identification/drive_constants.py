@@ -29,8 +29,6 @@ from .recording_summary import RecordingSummary
 
 ROUNDS = 30  # linearisations at most
 STRIDE = 5.0  # in one of them a constant changes by this factor at most
-STILL = 0.02  # the search has converged when no constant moves by more than this part of its standard deviation,
-ROUNDING = 1e-7  # and this part of itself, where there is no noise
 ADVICE, COMMAND = (
     f"record the motion once more with a weighed payload on the last segment, {payload}, record the torque of a joint "
     f"or the force on a link by a sensor ({wrench}), or say what is known in N·m ({known}, torque_constant of a motor)"
@@ -179,7 +177,8 @@ class _Step(NamedTuple):
     @property
     def is_small(self) -> bool:
         """Whether constants have settled; one at a bound may want to go beyond."""
-        still = np.abs(self.moved) <= STILL * self.std + ROUNDING * self.sizes
+        # by parts of their standard deviations, and of themselves, where there is no noise
+        still = np.abs(self.moved) <= 0.02 * self.std + 1e-7 * self.sizes
         pairs = zip(self.constants, still, strict=True)
         return all(is_still or each.name in self.at_bounds for each, is_still in pairs)
 

@@ -37,12 +37,6 @@ from .recording_summary import (
 )
 from .unmeasured import terms_where_measured, unmeasured_finding
 
-TURNING = 0.05
-"""Least angular velocity of a base that turns, over that of the first joint, root mean square each.
-
-Below it, the motion of the base hardly tells a rotor from the link that it turns with.
-"""
-
 
 def begin(
     leg: Leg | Mapping[str, Leg],
@@ -109,9 +103,9 @@ def gather(
         problem = _remodelled(replace(problem, groups=tuple(groups), terms=terms), own)
     if len(every) > len(problem.groups):
         problem = replace(problem, groups=tuple(counted_once(group) for group in problem.groups))
-    if any(one.base_turning > TURNING for one in every):
+    if any(one.base_turning > 0.05 for one in every):
         # On a fixed base a rotor at the hip turns with the whole leg, and J1 includes it. Where the torso pitches by ψ,
-        # the leg has the acceleration q̈ + ψ̈ and the rotor q̈.
+        # the leg has the acceleration q̈ + ψ̈ and the rotor q̈, which slower turns hardly tell.
         models = [group.model for group in problem.groups]
         pairs = [(model, {one.name for one in model.dependent(moving_base=True)}) for model in models]
         apart = {one.name: None for model, names in pairs for one in model.regrouped if one.name not in names}

@@ -18,9 +18,7 @@ from .estimators.by_name import fit_linear
 from .problem import Fitted, Problem
 
 STEPS = 8  # steps at most, of least squares and then of the estimator asked for
-SETTLED = 1e-3  # they have settled when predictions change by less than this part of the residual,
-STILL = 0.1  # or when nothing moves by more than this part of its standard deviation,
-ALIKE = 1e-6  # and this part of itself, where there is no noise
+SETTLED = 1e-3  # they have settled when predictions change by less than this part of the residual
 
 
 def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
@@ -31,7 +29,8 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
         fit = fit_linear(problem, estimator).fit
         before, values = values, fit.solution.values
         moved = values - before
-        if (np.abs(moved) <= STILL * np.sqrt(np.diag(fit.solution.covariance)) + ALIKE * np.abs(before)).all():
+        # or when nothing moves by more than a tenth of its standard deviation and, without noise, a part of itself
+        if (np.abs(moved) <= 0.1 * np.sqrt(np.diag(fit.solution.covariance)) + 1e-6 * np.abs(before)).all():
             change = 0.0
             break
         table = stack(problem.r_factors, fit.weights).R

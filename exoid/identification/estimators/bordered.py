@@ -9,7 +9,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .trajectory import RIDGE, WIDTH, Trajectory
+from .trajectory import WIDTH, Trajectory, lower_band
 
 
 class BorderedRows(NamedTuple):
@@ -56,23 +56,7 @@ def eliminate(trajectory: Trajectory, rows: BorderedRows) -> ReducedSystem:
     flat = right.reshape(-1, right.shape[-1])[:, WIDTH * n :]
     corner = flat[:, :P].T @ flat
     border = trajectory.overlap(local[..., WIDTH * n :].reshape(len(local), WIDTH, n, P + 1)).reshape(-1, P + 1)
-    band = _band(local, n)
-    factor = scipy.linalg.cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+    factor = scipy.linalg.cholesky_banded(lower_band(local, n), lower=True, overwrite_ab=True, check_finite=False)
     inverse = scipy.linalg.cho_solve_banded((factor, True), border, check_finite=False)
     left = corner - border[:, :P].T @ inverse
     return ReducedSystem(factor, inverse[:, :P], inverse[:, P], 0.5 * (left[:, :P] + left[:, :P].T), left[:, P])
-
-
-def _band(local: FloatArray, n: int) -> FloatArray:
-    """Lower band of H_cc, (6 n, K n), from the blocks of the intervals."""
-    intervals = len(local)
-    count = intervals + WIDTH - 1
-    band = np.zeros((WIDTH * n, count, n))
-    for column in range(WIDTH):
-        for row in range(column, WIDTH):
-            block = local[:, row * n : (row + 1) * n, column * n : (column + 1) * n]
-            for i in range(n):
-                for j in range(n if row > column else i + 1):
-                    band[(row - column) * n + i - j, column : column + intervals, j] += block[:, i, j]
-    band[0] *= 1.0 + RIDGE
-    return band.reshape(WIDTH * n, count * n)

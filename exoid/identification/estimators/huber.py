@@ -14,8 +14,6 @@ from exoid.regression.problem import Fit, RowProblem
 from exoid.signals.cutoff import robust_std
 
 TUNING = 1.345  # residuals of this many standard deviations start to count less; 95 % efficient for normal noise
-ROUNDS = 50  # reweightings at most
-SETTLED = 1e-4  # they have converged when no parameter moves by more than this part of its standard deviation
 
 
 def huber(problem: RowProblem) -> Fit:
@@ -26,14 +24,14 @@ def huber(problem: RowProblem) -> Fit:
     """
     solution, floor = wls(problem).solution, noise_floor(problem)
     scales = np.full(len(problem.r_factors), np.nan)
-    for _ in range(ROUNDS):
+    for _ in range(50):  # until no parameter moves by more than this part of its standard deviation
         sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
         for index, columns, table, _ in _tables(problem):
             sizes[index].append(np.abs(table[-1] - solution.values[columns] @ table[:-1]))
         scales = np.maximum(np.array([robust_std(np.hstack(x)) if any(map(len, x)) else 0.0 for x in sizes]), floor)
         r_factors = _weighted(problem, solution.values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
         before, solution = solution, problem.solve(stack(r_factors))
-        if (np.abs(solution.values - before.values) <= SETTLED * np.sqrt(np.diag(solution.covariance))).all():
+        if (np.abs(solution.values - before.values) <= 1e-4 * np.sqrt(np.diag(solution.covariance))).all():
             break
     # ψ'(r) is 1 inside and 0 beyond: the inverse of Σ ψ' xᵀx takes the place of (WᵀW)⁻¹
     inside = _weighted(problem, solution.values, scales, lambda r: (r <= TUNING).astype(np.float64))

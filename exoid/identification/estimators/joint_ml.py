@@ -26,14 +26,11 @@ from exoid.torques.terms import DryFriction
 from .motion_fit import MotionFit, fit_motion
 from .motion_system import Moving
 
-COARSE = 0.04  # knot spacing [s] to begin with
 LADDER = math.sqrt(2.0)  # ratio of one knot spacing that is tried to the next
 FINEST = 2.0  # knots of the ladder are at least so many samples apart
 CLOSEST = 1.5  # knots closer than so many samples are refused: measurements would not hold the motion
 ROUGHLY = 0.05
 """How far a fit goes on a rung of the ladder, see :data:`exoid.identification.estimators.motion_fit.SETTLED`."""
-
-SHARP = 0.01  # a sharp sign of the velocity is taken as a smooth one over this velocity [rad/s]
 
 
 @dataclass(frozen=True)
@@ -112,9 +109,9 @@ class JointML:
 
 
 def smooth(model: TorqueModel) -> TorqueModel:
-    """The same model with friction that can be differentiated."""
+    """The same model with friction that can be differentiated: a sharp sign is one over 0.01 rad/s."""
     terms = (
-        replace(term, smoothing=term.smoothing or SHARP, dead_band=0.0) if isinstance(term, DryFriction) else term
+        replace(term, smoothing=term.smoothing or 0.01, dead_band=0.0) if isinstance(term, DryFriction) else term
         for term in model.terms
     )
     return TorqueModel(model.leg, tuple(terms), separate=model.separate)
@@ -140,7 +137,7 @@ def _on(moving: Sequence[Moving], found: MotionFit) -> list[Moving]:
 
 def _best(fit: Callable[..., MotionFit], moving: Sequence[Moving], values: FloatArray, finest: float) -> MotionFit:
     """Walk along the ladder of spacings, finer or else coarser, as long as the criterion falls."""
-    best = first = fit(moving, values=values, spacing=max(COARSE, finest), settled=ROUGHLY)
+    best = first = fit(moving, values=values, spacing=max(0.04, finest), settled=ROUGHLY)  # [s]
     for ratio in (1.0 / LADDER, LADDER):
         here = first.spacing * ratio
         # Largest knot spacing that is tried [s]

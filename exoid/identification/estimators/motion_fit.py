@@ -17,7 +17,6 @@ from .bordered import eliminate
 from .motion_system import Levels, MotionState, Moving, System
 from .trajectory import Trajectory
 
-ROUNDS = 30  # Gauss–Newton steps at most
 SETTLED = 1e-3
 """Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""
 
@@ -58,7 +57,7 @@ def fit_motion(
     system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)
     levels = system.levels(system.residuals(state), None)
-    for _ in range(ROUNDS):
+    for _ in range(30):  # Gauss–Newton steps
         rows = system.linearise(state, levels)
         reduced = [eliminate(trajectory, part) for trajectory, part in zip(system.trajectories, rows, strict=True)]
         matrix, gradient = system.join(reduced)

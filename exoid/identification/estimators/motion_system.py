@@ -18,7 +18,6 @@ from exoid.torques.motion import STEPS
 from .bordered import BorderedRows, ReducedSystem, eliminate
 from .trajectory import WIDTH, Trajectory
 
-HALVINGS = 10  # a step that does not reduce the sum of squares is halved so often
 PROBES = 6  # random vectors with which traces are estimated
 QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
 
@@ -118,7 +117,7 @@ class System(NamedTuple):
         """Go as far along the Gauss–Newton step as the sum of squares falls, and say whether that is all of it."""
         turns = [(part.free - part.coupling @ step).reshape(-1, len(levels.angle)) for part in reduced]
         before, share = self.squares(state, levels), 1.0
-        for _ in range(HALVINGS):
+        for _ in range(10):  # halvings
             there = MotionState(
                 [c + share * turn for c, turn in zip(state.coefficients, turns, strict=True)],
                 state.values + share * step,

@@ -13,8 +13,6 @@ from exoid._typing import FloatArray
 
 DEGREE = 5  # of the splines: accelerations are then cubic pieces with a continuous slope and curvature
 WIDTH = DEGREE + 1  # basis functions that are not zero at a sample
-RIDGE = 1e-10
-"""Part of the diagonal that is added to normal equations: a coefficient that hardly any sample sees does no harm."""
 
 
 class Trajectory(NamedTuple):
@@ -39,13 +37,8 @@ class Trajectory(NamedTuple):
         """Coefficients, (K, n), of the splines nearest to angles, (N, n)."""
         near = self.basis[0]
         sums = self.grouped(near).transpose(0, 2, 1) @ self.grouped(np.concatenate([near, q], axis=1))
-        band = np.zeros((WIDTH, self.size))
-        for column in range(WIDTH):
-            for row in range(column, WIDTH):
-                band[row - column, column : column + len(sums)] += sums[:, row, column]
-        band[0] *= 1.0 + RIDGE
         right = self.overlap(sums[..., WIDTH:])
-        return np.asarray(scipy.linalg.solveh_banded(band, right, lower=True, check_finite=False))
+        return np.asarray(scipy.linalg.solveh_banded(lower_band(sums, 1), right, lower=True, check_finite=False))
 
     def at_samples(self, coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Angles, velocities and accelerations, (N, n) each, from coefficients, (K, n)."""
@@ -67,6 +60,21 @@ class Trajectory(NamedTuple):
     def near(self, coefficients: FloatArray) -> FloatArray:
         """Coefficients of the functions that are not zero at each sample, (K, ...) to (N, 6, ...)."""
         return np.asarray(coefficients[self.interval[:, None] + np.arange(WIDTH)])
+
+
+def lower_band(local: FloatArray, n: int) -> FloatArray:
+    """Lower band of the normal matrix of n joints, (6 n, K n), from the blocks of the intervals."""
+    intervals = len(local)
+    count = intervals + WIDTH - 1
+    band = np.zeros((WIDTH * n, count, n))
+    for column in range(WIDTH):
+        for row in range(column, WIDTH):
+            block = local[:, row * n : (row + 1) * n, column * n : (column + 1) * n]
+            for i in range(n):
+                for j in range(n if row > column else i + 1):
+                    band[(row - column) * n + i - j, column : column + intervals, j] += block[:, i, j]
+    band[0] *= 1.0 + 1e-10  # a coefficient that hardly any sample sees does no harm
+    return band.reshape(WIDTH * n, count * n)
 
 
 def _members(interval: NDArray[np.intp], intervals: int) -> NDArray[np.intp]:
