@@ -59,21 +59,19 @@ def actuators_to_data(actuators: Actuators) -> dict[str, Any]:
 
 def describe_actuators(actuators: Actuators) -> list[str]:
     """Describe each drive and each coupling in a line: its type and constants."""
-    return [f"{name}: {_written(table)}" for name, table in actuators_to_data(actuators).items()]
-
-
-def _written(table: Table) -> str:
-    """Write type and constants of a drive."""
-    parts = [str(table["type"])] if "type" in table else []
-    for key, value in table.items():
-        words = key.replace("_", " ")
-        if key in ("first", "second"):
-            parts.append(f"{value['link']} at ({', '.join(f'{x:g}' for x in value['point'])}) m")
-        elif key in ("angle", "moment_arm"):
-            parts.append(f"{words} {min(value):.4g} … {max(value):.4g} {'rad' if key == 'angle' else 'm'}")
-        elif key != "type":
-            parts.append(f"{words} {value:.6g}" if is_number(value) else f"{key} {value}")
-    return ", ".join(parts)
+    lines = []
+    for name, table in actuators_to_data(actuators).items():
+        parts = [str(table["type"])] if "type" in table else []
+        for key, value in table.items():
+            words = key.replace("_", " ")
+            if key in ("first", "second"):
+                parts.append(f"{value['link']} at ({', '.join(f'{x:g}' for x in value['point'])}) m")
+            elif key in ("angle", "moment_arm"):
+                parts.append(f"{words} {min(value):.4g} … {max(value):.4g} {'rad' if key == 'angle' else 'm'}")
+            elif key != "type":
+                parts.append(f"{words} {value:.6g}" if is_number(value) else f"{key} {value}")
+        lines.append(f"{name}: {', '.join(parts)}")
+    return lines
 
 
 def _drive(table: object) -> Drive | Coupling:
@@ -89,17 +87,11 @@ def _drive(table: object) -> Drive | Coupling:
     constants = {key: value for key, value in table.items() if key != "type"}
     if kind is LinearActuator:
         return _linear(constants)
-    drive: Drive | Coupling = _made(kind, constants)
-    return drive
-
-
-def _made(kind: type[Any], table: Table) -> Any:  # noqa: ANN401 - of the given class
-    """Make a drive of the constants in a table, whose keys are its fields."""
-    known = {field.name for field in fields(kind)}
-    _check_keys(table, known, REQUIRED[kind])
+    _check_keys(constants, {field.name for field in fields(kind)}, REQUIRED[kind])
     can_be_unknown = {each.field for each in getattr(kind, "constants", ())}
-    unknown = [key for key, value in table.items() if key in can_be_unknown and value == UNKNOWN]
-    return kind(**{**table, **dict.fromkeys(unknown)})
+    unknown = [key for key, value in constants.items() if key in can_be_unknown and value == UNKNOWN]
+    drive: Drive | Coupling = kind(**{**constants, **dict.fromkeys(unknown)})
+    return drive
 
 
 def _check_keys(table: Table, known: set[str], required: Mapping[str, str]) -> None:

@@ -23,7 +23,7 @@ from exoid.torques.term import TermBlock
 from exoid.torques.terms import DryFriction
 
 from .dialect import Dialect
-from .forms import CForm, JointInC, Place, c_form, register_c_form
+from .forms import FORMS, CForm, JointInC, Place, c_form
 
 
 class TermsInC(NamedTuple):
@@ -56,23 +56,16 @@ def terms_in_c(model: TorqueModel, values: FloatArray, table: str, dialect: Dial
 
 def torques_in_c(block: TermBlock, parameters: Mapping[str, str], dialect: Dialect) -> Iterator[tuple[int, str]]:
     """Write the torque of one term at each of its joints, in q[j] or v[j] by the place of its form."""
-    for joint, expression in _torques(block, c_form(block.term), parameters, dialect):
-        yield joint, _summand(expression)
-
-
-def _torques(
-    block: TermBlock, form: CForm, parameters: Mapping[str, str], dialect: Dialect
-) -> Iterator[tuple[int, str]]:
-    """Index of each joint of a term, and the torque of the term there."""
+    form = c_form(block.term)
     variables = [{"friction": f"v[{j}]", "stiffness": f"q[{j}]", "rotor": ""}[form.place] for j in block.joints]
     if not isinstance(block.term, CoordinateTerm):
-        yield block.joints[0], form.write(block.term, JointInC(variables[0], parameters, dialect))
+        yield block.joints[0], _summand(form.write(block.term, JointInC(variables[0], parameters, dialect)))
         return
     ratios = [dialect.number(ratio) for ratio in block.term.ratios]
     coordinate = " + ".join(f"{ratio} * {variable}" for ratio, variable in zip(ratios, variables, strict=True))
     along = form.write(block.term, JointInC(f"({coordinate})", parameters, dialect))
     for joint, ratio in zip(block.joints, ratios, strict=True):
-        yield joint, f"{ratio} * ({along})"
+        yield joint, _summand(f"{ratio} * ({along})")
 
 
 def _summand(expression: str) -> str:
@@ -83,22 +76,6 @@ def _summand(expression: str) -> str:
     return f"({expression})" if re.search("[?<>=!&|^,]", outside) else expression
 
 
-@register_c_form(Armature, "rotor")
-def _armature(term: Armature, joint: JointInC) -> str:
-    return joint.parameters["Ia"]
-
-
-@register_c_form(Coulomb, "friction")
-def _coulomb(term: Coulomb, joint: JointInC) -> str:
-    return _dry(term, joint.parameters["c0"], joint)
-
-
-@register_c_form(Offset, "stiffness")
-def _offset(term: Offset, joint: JointInC) -> str:
-    return joint.parameters["offset"]
-
-
-@register_c_form(Stiffness, "stiffness")
 def _stiffness(term: Stiffness, joint: JointInC) -> str:
     """Horner's scheme; a power whose parameter is regrouped has no coefficient."""
     text = joint.parameters.get(term.symbols[0], "")
@@ -108,26 +85,9 @@ def _stiffness(term: Stiffness, joint: JointInC) -> str:
     return text
 
 
-@register_c_form(Stribeck, "friction")
 def _stribeck(term: Stribeck, joint: JointInC) -> str:
     ratio = f"({joint.variable} / {joint.number(term.velocity)})"
     return _dry(term, f"{joint.parameters['cs']} * {joint.function('exp')}(-{ratio} * {ratio})", joint)
-
-
-@register_c_form(Viscous, "friction")
-def _viscous(term: Viscous, joint: JointInC) -> str:
-    return f"{joint.parameters['d']} * {joint.variable}"
-
-
-@register_c_form(CouplingFriction, "friction")
-def _coupling_friction(term: CouplingFriction, joint: JointInC) -> str:
-    direction = _direction(term.smoothing, joint)
-    return f"{joint.parameter('c0')} * {direction} + {joint.parameter('d')} * {joint.variable}"
-
-
-@register_c_form(CouplingSpring, "stiffness")
-def _coupling_spring(term: CouplingSpring, joint: JointInC) -> str:
-    return f"{joint.parameter('k')} * {joint.variable} + {joint.parameter('preload')}"
 
 
 def _dry(term: DryFriction, size: str, joint: JointInC) -> str:
@@ -145,3 +105,22 @@ def _direction(smoothing: float, joint: JointInC) -> str:
     if smoothing > 0.0:
         return f"{joint.function('tanh')}({v} / {joint.number(smoothing)})"
     return f"({v} > {zero} ? {joint.number(1.0)} : {v} < {zero} ? {joint.number(-1.0)} : {v})"
+
+
+FORMS |= {
+    Armature: CForm("rotor", lambda term, joint: joint.parameters["Ia"]),
+    Coulomb: CForm("friction", lambda term, joint: _dry(term, joint.parameters["c0"], joint)),
+    Offset: CForm("stiffness", lambda term, joint: joint.parameters["offset"]),
+    Stiffness: CForm("stiffness", _stiffness),
+    Stribeck: CForm("friction", _stribeck),
+    Viscous: CForm("friction", lambda term, joint: f"{joint.parameters['d']} * {joint.variable}"),
+    CouplingFriction: CForm(
+        "friction",
+        lambda term, joint: (
+            f"{joint.parameter('c0')} * {_direction(term.smoothing, joint)} + {joint.parameter('d')} * {joint.variable}"
+        ),
+    ),
+    CouplingSpring: CForm(
+        "stiffness", lambda term, joint: f"{joint.parameter('k')} * {joint.variable} + {joint.parameter('preload')}"
+    ),
+}

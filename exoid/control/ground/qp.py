@@ -32,15 +32,8 @@ class Rows(NamedTuple):
     upper: FloatArray  # (k,)
 
 
-class Minimum(NamedTuple):
-    """Solution of a quadratic program."""
-
-    y: FloatArray  # (m,)
-    feasible: bool  # whether at most the inequalities of the last group are violated
-
-
-def minimise(A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> Minimum:
-    """Minimise |A y − b|² under groups of inequalities.
+def minimise(A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> tuple[FloatArray, bool]:
+    """Minimise |A y − b|² under groups of inequalities; also whether at most those of the last group are violated.
 
     If no y fulfils all, the last group is violated as little as need be, then the one before it, too; never the first.
     """
@@ -52,6 +45,6 @@ def minimise(A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> Minimum:
         sense = np.repeat(np.array(kinds, dtype=np.intc), sizes)
         y, _, exit_flag, _ = solver.solve(A.T @ A, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
         if exit_flag > 0:
-            return Minimum(np.asarray(y), softened < 2)
+            return np.asarray(y), softened < 2
     # numbers that no solver takes: the torque is clipped in the end
-    return Minimum(np.asarray(np.linalg.lstsq(A, b)[0], dtype=np.float64), False)
+    return np.asarray(np.linalg.lstsq(A, b)[0], dtype=np.float64), False

@@ -84,13 +84,11 @@ class Objective:
     ) -> tuple[float, States]:
         """Mean squared excess, and the gradient by samples, given that of the criterion by columns."""
         pitch = float(self.pitches[number])
-        parts = self._parts(states, np.einsum("pjt,p->tj", columns, self._beta))
-        angle, speed, acceleration, torque = parts
-        by_states = States(angle.slope, speed.slope, acceleration.slope)
-        by_columns = self._beta[:, None, None] * torque.slope.T
+        means, (*by_states, by_torque) = self._excesses(states, np.einsum("pjt,p->tj", columns, self._beta))
+        by_columns = self._beta[:, None, None] * by_torque.T
         inner = self._through_regressor(states, adjoint + penalty * by_columns, pitch)
         slopes = States(*(s + penalty * e for s, e in zip(inner, by_states, strict=True)))
-        return sum(part.mean for part in parts), slopes
+        return sum(means), slopes
 
     def _regressor(self, states: States, pitch: float) -> FloatArray:
         if self.model.leg.closure is not None:  # beyond the limits, loops may not close; the penalty leads back
@@ -117,7 +115,7 @@ class Objective:
     def excesses_of(self, number: int, states: States) -> FloatArray:
         """Compute the mean squared excess over each limit."""
         tau = np.einsum("pjt,p->tj", self.columns(number, states), self._beta)
-        return np.array([part.mean for part in self._parts(states, tau)])
+        return np.array(self._excesses(states, tau)[0])
 
     def draw(self, rng: np.random.Generator) -> FloatArray:
         """Draw coefficients, and scale those of each joint to 50 to 95 % of its limits."""
@@ -158,29 +156,20 @@ class Objective:
         """Expected parameters over their scales."""
         return self.scales.expected / self.scales.scale
 
-    def _parts(self, states: States, tau: FloatArray) -> tuple[Excess, ...]:
-        """Excesses over each limit of :attr:`limit_names`."""
+    def _excesses(self, states: States, tau: FloatArray) -> tuple[tuple[float, ...], tuple[FloatArray, ...]]:
+        """Mean squared excess over each limit of :attr:`limit_names`, and their derivatives."""
         limits = self.limits
         middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
-        return (
-            beyond(states.q - middle, half),
-            beyond(states.v, limits.velocity),
-            beyond(states.a, limits.acceleration),
-            beyond(tau, limits.torque),
-        )
+        sizes = (states.q - middle, states.v, states.a, tau)
+        most = (half, limits.velocity, limits.acceleration, limits.torque)
+        means, slopes = zip(*map(beyond, sizes, most), strict=True)
+        return means, slopes
 
 
-class Excess(NamedTuple):
-    """Mean squared excess over a limit, and its derivative by the limited quantity, (N, n)."""
-
-    mean: float
-    slope: FloatArray
-
-
-def beyond(x: FloatArray, limit: FloatArray) -> Excess:
-    """Compute the mean squared excess of sizes over a limit."""
+def beyond(x: FloatArray, limit: FloatArray) -> tuple[float, FloatArray]:
+    """Compute the mean squared excess of sizes over a limit, and its derivative by the limited quantity, (N, n)."""
     part = np.maximum(np.abs(x) / limit - 1.0, 0.0)
-    return Excess(float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x))
+    return float((part**2).sum() / len(x)), 2.0 * part * np.sign(x) / limit / len(x)
 
 
 def criterion_value(information: FloatArray, power: float) -> tuple[float, FloatArray]:

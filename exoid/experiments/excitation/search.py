@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -22,13 +21,6 @@ STAGES = {
 """Stages of each criterion. All starts pass the first, with a low penalty, and the better half of them the others."""
 
 
-class Iterate(NamedTuple):
-    """Point of the search: motions after some stages."""
-
-    cost: float  # value of the objective
-    x: FloatArray  # coefficients of the motions, flattened
-
-
 def search(
     objective: Objective, criterion: str, starts: int, seed: int, progress: Callable[[float], None] | None = None
 ) -> tuple[FourierMotion, ...]:
@@ -37,36 +29,36 @@ def search(
     inner = objective.narrowed()
     better = max(1, (starts + 1) // 2)
     total, done = starts * first.iterations + better * sum(stage.iterations for stage in later), 0
-    drawn: list[Iterate] = []
+    drawn: list[tuple[float, FloatArray]] = []  # value of the objective, and coefficients of the motions, flattened
     for generator in np.random.default_rng(seed).spawn(starts):
         drawn.append(_minimise(inner, objective.draw(generator), first))
         done += first.iterations
         report(done / total)
-    drawn.sort(key=lambda iterate: iterate.cost)
-    finished: list[Iterate] = []
-    for number, iterate in enumerate(drawn):
+    drawn.sort(key=lambda each: each[0])
+    finished: list[tuple[float, FloatArray]] = []
+    for number, (_, x) in enumerate(drawn):
         if number >= better and finished:
             break
         for stage in later:
-            iterate = _minimise(inner, iterate.x, stage)  # noqa: PLW2901
+            _, x = _minimise(inner, x, stage)  # noqa: PLW2901
             done += stage.iterations
             report(min(done / total, 1.0))
-        x = _within_limits(objective, iterate.x)
-        if x is not None:
-            finished.append(Iterate(objective(x, Stage(later[-1].power, 0.0))[0], x))
+        fitting = _within_limits(objective, x)
+        if fitting is not None:
+            finished.append((objective(fitting, Stage(later[-1].power, 0.0))[0], fitting))
     if not finished:
-        raise _no_motion(objective, iterate.x)
-    best = min(finished, key=lambda iterate: iterate.cost)
-    motions = zip(objective.coefficients(best.x), objective.pitches, strict=True)
+        raise _no_motion(objective, x)
+    _, best = min(finished, key=lambda each: each[0])
+    motions = zip(objective.coefficients(best), objective.pitches, strict=True)
     return tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in motions)
 
 
-def _minimise(objective: Objective, x: FloatArray, stage: Stage) -> Iterate:
+def _minimise(objective: Objective, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
     """Minimise by L-BFGS."""
     result = scipy.optimize.minimize(
         objective, x, args=(stage,), jac=True, method="L-BFGS-B", options={"maxiter": stage.iterations, "maxcor": 20}
     )
-    return Iterate(float(result.fun), np.asarray(result.x))
+    return float(result.fun), np.asarray(result.x)
 
 
 def _within_limits(objective: Objective, x: FloatArray) -> FloatArray | None:

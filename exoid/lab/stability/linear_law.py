@@ -39,7 +39,9 @@ def linear_law(law: AnyLaw, q: FloatArray) -> LinearLaw:
     # As for `LinearLeg`, derivatives are the mean of those at +0.5 and −0.5 rad/s, where smooth friction
     # compensation is constant. Limits of torque and of its rate count as inactive.
     full, n = stateful(law), len(q)
-    found, again = (_derivatives(full, q, step) for step in (1e-6, 2e-6))  # relative to numbers above 1 [rad, rad/s]
+    found, again = (  # by steps relative to numbers above 1 [rad, rad/s]
+        0.5 * (_derivatives(full, q, SPEED, step) + _derivatives(full, q, -SPEED, step)) for step in (1e-6, 2e-6)
+    )
     if np.abs(found - again).max() > 1e-3 * np.abs(found).max():
         raise NotSupportedError(
             f"{type(law).__name__} has no derivatives at {np.rad2deg(q).round(1)} deg and ±{SPEED:g} rad/s",
@@ -76,12 +78,8 @@ def loop_matrices(leg: HeldLeg, law: LinearLaw, delay: int) -> FloatArray:
     return loop
 
 
-def _derivatives(law: StatefulLaw, q: FloatArray, step: float) -> FloatArray:
+def _derivatives(law: StatefulLaw, q: FloatArray, speed: float, step: float) -> FloatArray:
     """Derivatives of (torque, next memory, torque) by (q, v, interaction, memory, last torque), (n + r, 3 n + r)."""
-    return 0.5 * (_derivatives_at(law, q, SPEED, step) + _derivatives_at(law, q, -SPEED, step))
-
-
-def _derivatives_at(law: StatefulLaw, q: FloatArray, speed: float, step: float) -> FloatArray:
     still = np.zeros_like(q)
     reading = np.concatenate([q, np.full_like(q, speed), still])
     target = Target(q, still, still)

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.identification import identify
 from exoid.signals import Recording
 
 from .design import Chunk, Study
 
+Outcomes = tuple[FloatArray, FloatArray, BoolArray]
+"""Estimates, standard deviations that they state, and whether 95 % intervals contain the truth, (E, R, P) each.
 
-class Outcomes(NamedTuple):
-    """Results of the replicates of a chunk; E estimators, R replicates, P parameters."""
-
-    values: FloatArray  # estimates, (E, R, P)
-    std: FloatArray  # standard deviations that the estimates state, (E, R, P)
-    inside: NDArray[np.bool_]  # whether 95 % intervals contain the truth, (E, R, P)
+E estimators, R replicates, P parameters.
+"""
 
 
 def run_chunk(study: Study, number: int) -> Outcomes:
@@ -37,7 +33,7 @@ def run_chunk(study: Study, number: int) -> Outcomes:
                 low, high = estimate.interval(0.95).T  # probability level of the intervals
                 values[e, k], std[e, k] = estimate.values, estimate.std
                 inside[e, k] = (low <= truth) & (truth <= high)
-    return Outcomes(values, std, inside)
+    return values, std, inside
 
 
 def _recorded(study: Study, chunk: Chunk) -> Iterator[list[Recording]]:
