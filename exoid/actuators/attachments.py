@@ -78,12 +78,8 @@ class MomentArm:
         raise NotImplementedError
 
 
-class SquaredLength(NamedTuple):
-    """Squared length between two points around a joint, c0 + c1 cos q + c2 sin q [m²]."""
-
-    c0: float
-    c1: float
-    c2: float
+SquaredLength = tuple[float, float, float]
+"""Coefficients c0, c1, c2 of the squared length between two points around a joint, c0 + c1 cos q + c2 sin q [m²]."""
 
 
 @dataclass(frozen=True)
@@ -205,4 +201,4 @@ def _squared_length(model: pin.Model, joint: int, above: FloatArray, below: Floa
         )
     along = float(above @ turn) * float(below @ turn)
     c0 = float(above @ above + below @ below) - 2.0 * along
-    return SquaredLength(c0, -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below)))
+    return c0, -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below))

@@ -7,7 +7,7 @@ import io
 import os
 import shutil
 import sys
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -120,9 +120,14 @@ def describe_error(error: Exception) -> tuple[str, int]:
     """Describe an error in one line."""
     if isinstance(error, ExoidError):
         return error.for_command(), BAD_INPUT
-    what = " ".join(str(error).split())
-    if hasattr(error, "format_message"):  # wrong options or arguments; a class of Typer or of Click, by Typer's version
-        return _describe_usage(error), BAD_INPUT
+    usage = getattr(error, "format_message", None)  # wrong options; a class of Typer or of Click, by Typer's version
+    what = " ".join((usage() if usage else str(error)).split())
+    if usage:
+        what = what.rstrip(".").partition(", unable to parse")[0]
+        for python, plain in (("valid float", "number"), ("valid integer", "whole number"), ("valid number", "number")):
+            what = what.replace(python, plain)
+        context = getattr(error, "ctx", None)
+        return f"{what}. To fix it: see {context.command_path if context else 'exoid'} --help", BAD_INPUT
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror or what}. To fix it: check this file, free space and permissions", BAD_INPUT
@@ -132,12 +137,3 @@ def describe_error(error: Exception) -> tuple[str, int]:
     remedy = f"run again with {TRACEBACK} to see where; the input is unusual, or exoid has an error: please report it"
     # Largest number of characters of an unexpected error.
     return f"{kind}: {what[:300]}. To fix it: {remedy}", PROGRAM_ERROR
-
-
-def _describe_usage(error: Any) -> str:  # noqa: ANN401 - see above
-    """Say which option or argument is wrong."""
-    what = " ".join(error.format_message().split()).rstrip(".").partition(", unable to parse")[0]
-    for python, plain in (("valid float", "number"), ("valid integer", "whole number"), ("valid number", "number")):
-        what = what.replace(python, plain)
-    context = getattr(error, "ctx", None)
-    return f"{what}. To fix it: see {context.command_path if context is not None else 'exoid'} --help"

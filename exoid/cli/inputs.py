@@ -40,7 +40,11 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
     if base not in DATASETS or is_readable(name):
         recording = _from_file(name, options, joints)
     elif part in ("train", "test"):
-        recording = _from_dataset(name, options)
+        refuse({"--mask": options.mask}, f"{name} has no such column")
+        payload = options.payload if _payloads_of(options.payload, name) else None
+        wanted = given(options._replace(payload=payload))
+        refuse({option: wanted[option] for option in OF_FILES}, f"{name} is a dataset")
+        recording = dataset(base).train if part == "train" else dataset(base).test
     else:
         raise BadArgumentError(f"no log {name!r}", remedy=f"name {base}:train or {base}:test")
     if options.start is None and options.stop is None:
@@ -69,15 +73,6 @@ def read_log_of(leg: Leg, name: str, options: LogOptions) -> Recording:
         except ExoidError:
             raise error from None
         return replace(log, joint_names=leg.joint_names, passive=(), computed=())
-
-
-def _from_dataset(name: str, options: LogOptions) -> Recording:
-    """Read a part of a dataset, which has no other columns than those of a recording."""
-    refuse({"--mask": options.mask}, f"{name} has no such column")
-    wanted = given(options._replace(payload=options.payload if _payloads_of(options.payload, name) else None))
-    refuse({option: wanted[option] for option in OF_FILES}, f"{name} is a dataset")
-    data = dataset(name.partition(":")[0])
-    return data.train if name.endswith(":train") else data.test
 
 
 def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:

@@ -33,6 +33,12 @@ CHANNELS = {
 }
 """Reference interface of each input of a law that is one number for each joint, and its field of a trajectory point."""
 
+DEPENDENCIES = (
+    *("controller_interface", "hardware_interface", "pluginlib", "rclcpp", "rclcpp_lifecycle", "realtime_tools"),
+    *("sensor_msgs", "trajectory_msgs"),
+)
+"""Packages of ROS 2 that the C++ uses."""
+
 TEMPLATES = {
     "CMakeLists.txt": "",
     "README.md": "",
@@ -128,6 +134,7 @@ def _values(law: LawInC, name: str, safety: Safety) -> dict[str, Any]:
         "space": f"{name}_ros2",
         "real": f"{name}_real",
         "version": __version__,
+        "dependencies": DEPENDENCIES,
         "equation": law.equation,
         "rate": round(law.rate),
         "joints": law.joints,

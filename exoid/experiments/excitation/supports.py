@@ -92,16 +92,13 @@ def determined_on(leg: Leg, supports: Sequence[Sequence[str]], terms: Sequence[T
                 where=leg.description.name,
                 remedy='let the base move: base="floating", or --floating-base',
             )
-    found = [_determined(each) for each in (*rows, np.vstack(rows))]
+    found = []
+    for each in (*rows, np.vstack(rows)):  # what no direction involves that the rows do not see
+        R = np.linalg.qr(np.vstack([each, 0.0 * each[: each.shape[1]]]), mode="r")
+        scale = np.linalg.norm(R, axis=0)
+        _, sigma, V = np.linalg.svd(R / np.where(scale > ROUNDED * scale.max(), scale, np.inf))
+        found.append(np.linalg.norm(V[sigma <= RANK * sigma[0]], axis=0) < INVOLVED)
     return Supports((*labels, "all of these"), model.names, np.array(found))
-
-
-def _determined(rows: FloatArray) -> BoolArray:
-    """Parameters that no direction involves which the rows do not see."""
-    R = np.linalg.qr(np.vstack([rows, 0.0 * rows[: rows.shape[1]]]), mode="r")
-    scale = np.linalg.norm(R, axis=0)
-    _, sigma, V = np.linalg.svd(R / np.where(scale > ROUNDED * scale.max(), scale, np.inf))
-    return np.asarray(np.linalg.norm(V[sigma <= RANK * sigma[0]], axis=0) < INVOLVED)
 
 
 def _rows(model: TorqueModel, links: tuple[str, ...]) -> FloatArray:

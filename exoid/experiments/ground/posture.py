@@ -11,7 +11,6 @@ import pinocchio as pin
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.link_frames import link_frame
-from exoid.leg.reduction.planar_machine import Limb
 from exoid.rig.ground import GroundPlant
 
 
@@ -69,36 +68,31 @@ class PlanarLeg:
 
 def planar_legs(plant: GroundPlant) -> tuple[PlanarLeg, ...]:
     """Read the legs of a machine."""
-    leg = plant.leg
-    legs = tuple(_planar_leg(plant, limb) for limb in leg.limbs)
+    leg, forward_up, legs = plant.leg, plant.plane.forward + 1j * plant.plane.up, list[PlanarLeg]()
+    data = leg.model.createData()
+    pin.forwardKinematics(leg.model, data, pin.neutral(leg.model))
+    for limb in leg.limbs:
+        joints = range(limb.joints.start, limb.joints.stop)
+        feet = [link for link in plant.soles if link_frame(leg.model, leg.description, link).body in joints]
+        if len(joints) != 3 or len(feet) != 1:
+            raise NotSupportedError(
+                f"the leg with {', '.join(leg.joint_names[limb.joints])} has {len(feet)} soles",
+                where=leg.description.name,
+                remedy="scenarios are made for legs with hip, knee, ankle and one sole",
+            )
+        body, placement = link_frame(leg.model, leg.description, feet[0])
+        foot = data.oMi[body + 1] * placement
+        sole = np.array([foot.act(point) for point in plant.soles[feet[0]].points]) @ forward_up
+        hip, knee, ankle = (complex(data.oMi[j + 1].translation @ forward_up) for j in joints)
+        middle = float(leg.limits.lower[joints[1]] + leg.limits.upper[joints[1]])
+        bends = float(np.sign(middle)) if np.isfinite(middle) and middle else -1.0
+        own = feet[0], limb.joints, hip, knee - hip, ankle - knee, sole - ankle, limb.chain.signs, bends
+        legs.append(PlanarLeg(*own))
     if not legs:
         raise NotSupportedError(
             "the machine is not planar", where=leg.description.name, remedy="use legs in parallel planes"
         )
-    return legs
-
-
-def _planar_leg(plant: GroundPlant, limb: Limb) -> PlanarLeg:
-    leg, joints = plant.leg, range(limb.joints.start, limb.joints.stop)
-    feet = [link for link in plant.soles if link_frame(leg.model, leg.description, link).body in joints]
-    if len(joints) != 3 or len(feet) != 1:
-        raise NotSupportedError(
-            f"the leg with {', '.join(leg.joint_names[limb.joints])} has {len(feet)} soles",
-            where=leg.description.name,
-            remedy="scenarios are made for legs with hip, knee, ankle and one sole",
-        )
-    plane = plant.plane
-    forward_up = plane.forward + 1j * plane.up
-    data = leg.model.createData()
-    pin.forwardKinematics(leg.model, data, pin.neutral(leg.model))
-    body, placement = link_frame(leg.model, leg.description, feet[0])
-    foot = data.oMi[body + 1] * placement
-    sole = np.array([foot.act(point) for point in plant.soles[feet[0]].points]) @ forward_up
-    hip, knee, ankle = (complex(data.oMi[j + 1].translation @ forward_up) for j in joints)
-    limits = leg.limits
-    middle = float(limits.lower[joints[1]] + limits.upper[joints[1]])
-    knee_sign = float(np.sign(middle)) if np.isfinite(middle) and middle else -1.0
-    return PlanarLeg(feet[0], limb.joints, hip, knee - hip, ankle - knee, sole - ankle, limb.chain.signs, knee_sign)
+    return tuple(legs)
 
 
 def stand_flat(q: FloatArray, legs: Sequence[PlanarLeg], base: FloatArray) -> None:

@@ -88,25 +88,16 @@ def set_property(path: str, name: str, value: object) -> Command:
 
 def set_animation(tracks: Mapping[str, Mapping[str, FloatArray]]) -> Command:
     """Command that animates the objects at paths, at :data:`FRAMES_PER_SECOND`, in a loop."""
-    animations = [
-        {
-            "path": path,
-            "clip": {
-                "fps": FRAMES_PER_SECOND,
-                "name": "replay",
-                "tracks": [_track(name, values) for name, values in quantities.items()],
-            },
-        }
-        for path, quantities in tracks.items()
-    ]
+    animations = []
+    for path, quantities in tracks.items():
+        moves = []  # keyframes of each quantity in three.js's format
+        for name, values in quantities.items():
+            keys = [{"time": frame, "value": _rounded(value)} for frame, value in enumerate(values)]
+            kind = "quaternion" if name == "quaternion" else "vector3"
+            moves.append({"name": f".{name}", "type": kind, "keys": keys})
+        clip = {"fps": FRAMES_PER_SECOND, "name": "replay", "tracks": moves}
+        animations.append({"path": path, "clip": clip})
     return {"type": "set_animation", "animations": animations, "options": {"play": True, "repetitions": 1_000_000}}
-
-
-def _track(name: str, values: FloatArray) -> dict[str, Any]:
-    """Describe keyframes of one quantity in three.js's format."""
-    kind = "quaternion" if name == "quaternion" else "vector3"
-    keys = [{"time": frame, "value": _rounded(value)} for frame, value in enumerate(values)]
-    return {"name": f".{name}", "type": kind, "keys": keys}
 
 
 def _rounded(values: FloatArray) -> list[float]:

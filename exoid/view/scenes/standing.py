@@ -101,7 +101,11 @@ def _carried(
     # fewer move it only. In the air, and before the first contact, the base stands still.
     upright = np.eye(3) if imu is None else align_z(imu.specific_force[0]).T
     rotation, position = np.tile(upright, (len(q), 1, 1)), np.zeros((len(q), 3))
-    points = {link: _points(leg, q, link) for link in contacts}
+    points, level = {}, np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    for link in contacts:  # in the frame of the base, (F, k, 3)
+        own = level[: 3 if leg.contact_kind(link) == "flat" else 1] @ level_rotation(leg, link)
+        turns, places = link_placements(leg, q, link)
+        points[link] = np.einsum("fij,kj->fki", turns, own) + places[:, np.newaxis]
     anchors: dict[str, FloatArray] = {}
     first = next(f for f in range(len(q)) if any(rests[f] for rests in contacts.values()))
     for f in range(first, len(q)):
@@ -120,14 +124,6 @@ def _carried(
         rotation[f], position[f] = turn, place
     rotation[:first], position[:first] = rotation[first], position[first]
     return rotation, position
-
-
-def _points(leg: Leg, q: FloatArray, link: str) -> FloatArray:
-    """Points of a link that keep their height, in the frame of the base, (F, k, 3): three of a flat foot, or one."""
-    level = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])
-    own = level[: 3 if leg.contact_kind(link) == "flat" else 1] @ level_rotation(leg, link)
-    rotation, position = link_placements(leg, q, link)
-    return np.asarray(np.einsum("fij,kj->fki", rotation, own) + position[:, np.newaxis])
 
 
 def _floor(geometry: LegGeometry, q: FloatArray, standing: Standing) -> float:
