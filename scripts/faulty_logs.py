@@ -18,7 +18,6 @@ import scipy
 import exoid
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
-from exoid.torques import TorqueModel
 
 RATE, SECONDS = 100.0, 40.0
 QUANTUM = 2.0 * np.pi / 2**16
@@ -76,10 +75,9 @@ def clean_log(name: str, seed: int, *, sharpness: float = SHARPNESS) -> Log:
 
 def _truth(leg: exoid.Leg, size: FloatArray) -> dict[str, float]:
     """True parameters of a simulated log, by name; others are zero."""
-    labels = TorqueModel(leg, exoid.torques.DEFAULT_TERMS).joint_labels
     truth = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
     for part, symbol in ((COULOMB, "c0"), (VISCOUS, "d")):
-        truth |= {f"{symbol}_{label}": part * float(own) for label, own in zip(labels, size, strict=True)}
+        truth |= {f"{symbol}_{label}": part * float(own) for label, own in zip(leg.joint_labels, size, strict=True)}
     return truth
 
 
@@ -343,7 +341,7 @@ def geared(lag: Callable[[FloatArray, float], FloatArray]) -> Callable[..., Log]
 
     def apply(log: Log, size: float, _: np.random.Generator) -> Log:
         one = log.recordings[0]
-        label = TorqueModel(log.leg, exoid.torques.DEFAULT_TERMS).joint_labels[1]
+        label = log.leg.joint_labels[1]
         v = np.gradient(one.q[:, 1]) * RATE
         friction = log.truth[f"c0_{label}"] * np.tanh(v / exoid.Coulomb().smoothing) + log.truth[f"d_{label}"] * v
         load = scipy.ndimage.gaussian_filter1d(one.tau[:, 1] - friction, 0.03 * RATE)  # without noise

@@ -11,7 +11,6 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, in_file, within
 from exoid.experiments import follow_log
-from exoid.regression.rows import for_leg
 from exoid.rig import Reference, Target
 from exoid.signals import Recording
 from exoid.signals.csv_writer import LogPart, write_parts
@@ -144,7 +143,7 @@ def replay_law(
     where = recording.file_name
     inner = getattr(law, "law", law)
     leg = getattr(getattr(inner, "model", getattr(inner, "source", None)), "leg", None)
-    recording = recording if leg is None else for_leg(TorqueModel(leg, ()), recording)  # by name, not by order
+    recording = recording if leg is None else TorqueModel(leg, ()).select(recording)  # by name, not by order
     with in_file(where):
         refuse_gaps(recording.time)
     if recording.sample_rate < 0.99 * law.rate:

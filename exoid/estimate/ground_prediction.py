@@ -18,7 +18,6 @@ from exoid.leg.link_frames import lowest_point
 from exoid.leg.torso import MovingBase
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording, Wrench
 from exoid.signals.cutoff import noisier, noisier_base, white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
@@ -88,7 +87,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         ExoidError: The base does not float, torque is missing, no link rests, or the recording is too short.
     """
     model, leg = estimate.model, estimate.model.leg
-    recording = _with_unknown_feet(leg, for_leg(model, recording).resampled())
+    recording = _with_unknown_feet(leg, model.select(recording).resampled())
     if recording.tau is None or not recording.measured.all():
         raise UnreadableInputError(
             "the torque of a joint is missing", where=recording.file_name, remedy="record all torques"

@@ -14,7 +14,6 @@ from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
-from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording
 from exoid.signals.cutoff import white_noise
 from exoid.signals.moving_base import base_during
@@ -60,7 +59,7 @@ def compare_on_ground(
     # several do, only the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is
     # compared.
     leg = estimate.model.leg
-    stretches = find_ground(estimate, split(leg, for_leg(estimate.model, recording), preparation)).stretches
+    stretches = find_ground(estimate, split(leg, estimate.model.select(recording), preparation)).stretches
     if not unknown_wrenches:
         resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
         stretches = tuple(each for each in stretches if not {*each.links} & resting)

@@ -91,7 +91,7 @@ def _restricted(estimate: Estimate, pairs: Sequence[_Pair]) -> _Restricted:
 def _restrictions(model: TorqueModel, pairs: Sequence[_Pair]) -> FloatArray:
     """Form R of limbs that are alike, (restrictions, P)."""
     K, terms = model.leg.reduction.collect, model.every_name[len(model.leg.parameter_names) :]
-    rigid, root = len(model.leg.parameter_names), K.shape[1] // 10 - len(model.joint_names)
+    rigid, root = len(model.leg.parameter_names), K.shape[1] // 10 - len(model.leg.joint_names)
     F = np.zeros((len(model.names), K.shape[1] + len(terms)))
     F[:rigid, : K.shape[1]] = K
     shares = {one.name: one.into for one in model.regrouped}
@@ -106,7 +106,7 @@ def _restrictions(model: TorqueModel, pairs: Sequence[_Pair]) -> FloatArray:
             D[of_b, of_a], D[of_b, of_b] = np.diag(pair.signs), 0.0
             # friction and rotors are alike whatever the sense of a joint; offsets of sensors are not
             for symbol in never:
-                of_terms = [f"{symbol}_{model.joint_labels[joint]}" for joint in (a, b)]
+                of_terms = [f"{symbol}_{model.leg.joint_labels[joint]}" for joint in (a, b)]
                 if set(of_terms) <= set(terms):
                     i, j = (K.shape[1] + terms.index(name) for name in of_terms)
                     D[j, i], D[j, j] = 1.0, 0.0

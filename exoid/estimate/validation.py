@@ -12,7 +12,7 @@ from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg, prepare
+from exoid.regression.rows import prepare
 from exoid.signals import Recording
 from exoid.signals.contacts import stands
 from exoid.tools.json_values import json_value
@@ -235,7 +235,7 @@ def validate(
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
     recording, found = without_late_velocity(as_trained(estimate, recording))
-    data, preparation = for_leg(estimate.model, recording), chosen.preparation
+    data, preparation = estimate.model.select(recording), chosen.preparation
     rate, ranges = data.sample_rate, None
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
     if stands(estimate.model.leg, recording):

@@ -8,7 +8,6 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
 
 from .data import EstimateData
@@ -28,7 +27,7 @@ def as_trained(estimate: EstimateData, recording: Recording) -> Recording:
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
     late = {joint: delay for joint, delay in enumerate(estimate.torque_delays.tolist()) if delay}
-    return without_torque_delay(for_leg(estimate.model, recording), late) if late else recording
+    return without_torque_delay(estimate.model.select(recording), late) if late else recording
 
 
 def shifted_torques(estimate: EstimateData) -> Iterator[Finding]:

@@ -12,7 +12,6 @@ from exoid._typing import FloatArray
 from exoid.actuators.constants import DriveConstant
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
-from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings, without_torque_delay
 from exoid.signals.cutoff import noisier, noisier_base
 
@@ -152,7 +151,7 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
         parts = fitted.problem.parts(group.name)
         if fitted.problem.groups[parts[0]].links is None:
             leg = fitted_leg(fitted, parts[0])
-            late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(leg.model.joint_names))
+            late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(leg.model.leg.joint_names))
         else:
             late = torque_delays(fitted, parts)
         groups.append(_shifted(group, late) if late[0].any() else group)
@@ -162,7 +161,7 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
 def _shifted(group: Group, late: tuple[FloatArray, FloatArray]) -> Group:
     """Shift the torques of a group, and say so."""
     by_joint, found = {k: float(delay) for k, delay in enumerate(late[0]) if delay}, list(group.findings)
-    for joint, delay, half in zip(group.model.joint_names, late[0].tolist(), late[1].tolist(), strict=True):
+    for joint, delay, half in zip(group.model.leg.joint_names, late[0].tolist(), late[1].tolist(), strict=True):
         if delay:
             message = (
                 f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the "
@@ -171,6 +170,6 @@ def _shifted(group: Group, late: tuple[FloatArray, FloatArray]) -> Group:
             remedy = "correct the time stamps of the log; validation shifts its torques by the same"
             interval = (delay - half, delay + half)
             found.append(Finding("torque-delay", joint, delay, "s", "info", message, remedy, interval))
-    chosen = (for_leg(group.model, one) for one in group.data)
+    chosen = (group.model.select(one) for one in group.data)
     data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
     return replace(group, data=data, delays=late[0], findings=tuple(found))

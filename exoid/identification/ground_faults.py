@@ -78,8 +78,8 @@ def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
 
 def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     """Find the fault of a joint, or of all wrenches, that explains most, and those that explain about as much."""
-    names, leg, count = fitted.models[0].joint_names, fitted.models[0].leg, len(fitted.problem.names)
-    if any(model.joint_names != names for model in fitted.models):
+    names, leg, count = fitted.models[0].leg.joint_names, fitted.models[0].leg, len(fitted.problem.names)
+    if any(model.leg.joint_names != names for model in fitted.models):
         return
     passive = {name for one in fitted.problem.motions for name in one.passive}  # their torque is no measurement
     joints = [joint for joint, name in enumerate(names) if name not in passive]
@@ -178,7 +178,7 @@ def _without(footing: Footing | None, kind: str, joint: int, size: float, group:
         for link, x in _loaded(one).items():
             wrenches[link] = replace(x, force=factor * read(x.force)(at), moment=factor * read(x.moment)(at))
         return replace(one, wrenches=wrenches)
-    own = size * (np.arange(len(group.model.joint_names)) == joint)
+    own = size * (np.arange(len(group.model.leg.joint_names)) == joint)
     if kind != "angle-offset":
         if one.tau is None:
             return one

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.data import Input
-from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
 from exoid.signals.contacts import stands
 from exoid.signals.cutoff import AccelerationPower, acceleration_power
@@ -56,7 +55,7 @@ class RecordingSummary(NamedTuple):
 
 def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool = True) -> RecordingSummary:
     """Summarize a recording in one pass."""
-    chosen = for_leg(model, data)
+    chosen = model.select(data)
     mask = chosen.mask if isinstance(chosen, Recording) else None
     counted = slice(None) if mask is None else mask
     if mask is not None and not mask.any():

@@ -127,7 +127,7 @@ class Result:
         covariance = self.covariance[np.ix_(places, places)]
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
         own = (rms_residual(each, solution.values[every]) for each in rows.by_row)
-        residual_rms = np.array([_of_joint(supports, x) for x in model.joint_names] if standing else [*own])
+        residual_rms = np.array([_of_joint(supports, x) for x in model.leg.joint_names] if standing else [*own])
         factors = [each for one in self._ordinary(parts) for each in one.r_factors]
         assert rows.preparation is not None
         return Estimate(
@@ -146,7 +146,7 @@ class Result:
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
             findings=ordered((*rows.findings, *(self.fitted.findings if first == 0 else ()))),  # said once
-            torque_delays=np.zeros(len(model.joint_names)) if rows.delays is None else rows.delays,
+            torque_delays=np.zeros(len(model.leg.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,
             evidence=Evidence(
                 dof_each=self.dofs[places],

@@ -79,7 +79,7 @@ class Equations(NamedTuple):
 
 def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, FloatArray]:
     """Find delays of torques of some groups [s], 0 where none is significant, and half widths of their intervals."""
-    problem, joints = fitted.problem, fitted.models[parts[0]].joint_names
+    problem, joints = fitted.problem, fitted.models[parts[0]].leg.joint_names
     if any(one.kind in ("wrench-delay", "known-torque") for one in fitted.findings):  # torques look early beside them
         return np.zeros(len(joints)), np.zeros(len(joints))
 
@@ -224,7 +224,7 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
         yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=model.names)
         return
     kind = KINDS["torque-delay"]
-    for joint, delay, half in zip(model.joint_names, *torque_delays(fitted, parts), strict=True):
+    for joint, delay, half in zip(model.leg.joint_names, *torque_delays(fitted, parts), strict=True):
         if abs(delay) > (kind.least or 0.0):
             text = f"the torque of {joint} comes {1e3 * abs(delay):.3g} ms {kind.signs[int(delay < 0.0)]}"
             interval = (float(delay - half), float(delay + half))
@@ -233,7 +233,7 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
 
 def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None = None) -> Reading | None:
     """Reading of the torques that fits by far better than a poor log as it is, and than a rival, if any."""
-    plain, *others = readings(problem.groups[parts[0]].model.joint_names)
+    plain, *others = readings(problem.groups[parts[0]].model.leg.joint_names)
     signs = [one for one in others if one.kind != "torque-scale"]  # another scale only parts a torque from the others
     of_torques = [one for one in signs if (one.angles, one.angle_order) == (plain.angles, plain.angle_order)]
     as_logged, torques = _misfit(problem, parts), rms_residuals(problem, parts, np.zeros(len(problem.names)))

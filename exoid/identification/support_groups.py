@@ -14,7 +14,6 @@ from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.torques.contacts import Split, split
 from exoid.torques.contacts.imu import ROCKS, beside
@@ -47,7 +46,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise NotSupportedError("constants of drives are identified without contacts", remedy="give the constants")
     found: dict[tuple[tuple[str, ...], bool], list[Recording]] = {}
     findings = [*group.findings, *(signal_findings(model, group.data) if check else ())]
-    data = [for_leg(model, one) for one in group.motions]
+    data = [model.select(one) for one in group.motions]
     if len(data) < len(group.data):
         raise NotSupportedError("poses have no contacts", remedy="record motions, or use a leg on a fixed base")
     if group.preparation is None or any(group.preparation.parallel(one.sample_rate) is None for one in data):
@@ -73,7 +72,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         support = SupportModel.of(model, links, q[:: 1 + len(q) // 2000], plates=plates)
         measured = np.logical_or.reduce([one.measured for one in data])
         if support.axes is not None and not measured.all():
-            missing = [name for name, there in zip(model.joint_names, measured, strict=True) if not there]
+            missing = [name for name, there in zip(model.leg.joint_names, measured, strict=True) if not there]
             what = f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all"
             remedy = f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)"
             raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy, joints=tuple(missing))

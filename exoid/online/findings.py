@@ -59,7 +59,7 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
         text = " or ".join(f"{one.kind} at {one.joint or 'all joints'}" for one in possible)
         text = f"something changed, and the motion does not yet tell {text} apart"
         say("change-ambiguous", "", 1.0, text, WAIT, names)
-    for joint, now, best in zip(settings.model.joint_names, state.weights, state.sharpest, strict=True):
+    for joint, now, best in zip(settings.model.leg.joint_names, state.weights, state.sharpest, strict=True):
         if best > FALLEN * now:
             text = f"residuals of {joint} are {best / now:.3g} times what they were"
             say("residuals-grew", joint, best / now, text, LOOK)
@@ -72,7 +72,7 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
         text = f"samples come at {settings.rate / pace:.4g} Hz by their time stamps, not at {settings.rate:.4g} Hz"
         say("stream-rate", "", pace, text, "make the estimator with the rate of the samples")
     ways, products = stream.travel
-    for joint, way, product in zip(settings.model.joint_names, ways.tolist(), products.tolist(), strict=False):
+    for joint, way, product in zip(settings.model.leg.joint_names, ways.tolist(), products.tolist(), strict=False):
         if way > 0.0 and abs(product / way - 1.0) > 0.02:  # a delay of 20 ms takes 1 % of a usual gait's
             text = f"the velocity is {product / way:.3g} times the derivative of the angle"
             say("velocity-scale", joint, product / way, text, "pass no velocity (v=None), or mend its unit or sign")
@@ -112,7 +112,7 @@ def _reversed(estimate: Estimate, factors: FloatArray) -> Iterator[Finding]:
     best = int(np.argmin(np.sum(others, axis=1)))
     ratio = float(np.exp(0.5 * (plain - others[best]).sum()))  # of two joints
     if ratio > FITS_BETTER and others[best].max() < np.log(PERSISTENT):
-        joint = (*model.joint_names, "")[best]
+        joint = (*model.leg.joint_names, "")[best]
         what = f"the torque of {joint} or its angle" if joint else "all torques or all angles"
         text = f"the sign of {what} is wrong: residuals are {ratio:.3g} times smaller with the other one"
         yield Finding("torque-sign", joint, -1.0, "1", "error", text, "negate the wrong one", parameters=model.names)

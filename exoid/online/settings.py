@@ -56,7 +56,7 @@ class Settings:
     @cached_property
     def n(self) -> int:
         """Number of joints."""
-        return len(self.model.joint_names)
+        return len(self.model.leg.joint_names)
 
     @cached_property
     def count(self) -> int:

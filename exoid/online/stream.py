@@ -79,7 +79,7 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
     limit = FASTEST / settings.rate * (1 + missing)
     if last and stream.implausible < settings.rate * REFUSED and max(map(abs, map(sub, q, last))) > limit:
         return _refused(settings, stream, "angle-jump"), (), False
-    for name, x in zip(settings.model.joint_names, q, strict=True):
+    for name, x in zip(settings.model.leg.joint_names, q, strict=True):
         if abs(x) > 2.0 * LARGEST_ANGLE:
             what = f"{name} at {x:.4g} rad: no joint of a leg turns twice"
             raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))

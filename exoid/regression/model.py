@@ -69,14 +69,6 @@ class RegressorModel(ColumnModel, Protocol):
         """Parameters, in the order of the columns, (P,)."""
 
     @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Joints, (n,)."""
-
-    @property
-    def joint_labels(self) -> tuple[str, ...]:
-        """What parameters call the joints, (n,)."""
-
-    @property
     def regrouped(self) -> Sequence[Regrouping]:
         """Parameters that are part of others."""
 
@@ -86,7 +78,7 @@ class RegressorModel(ColumnModel, Protocol):
     def regressor(self, *samples: Any, **beside: Any) -> FloatArray:  # noqa: ANN401
         """Columns of all parameters, (N, n, P)."""
 
-    def select(self, recording: Any, joints: tuple[str, ...]) -> Any:  # noqa: ANN401 - a recording or poses
+    def select(self, recording: Any) -> Any:  # noqa: ANN401 - a recording or poses
         """Pick the joints of the leg, with wrenches in axes of their links."""
 
     def row_torque(self, tau: FloatArray, motion: Any, wrenches: Mapping[str, Any]) -> FloatArray:  # noqa: ANN401

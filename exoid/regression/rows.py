@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +79,7 @@ def prepare(
     model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False, stops: bool = True
 ) -> Prepared:
     """Derive kinematics, for every row or those that are not redundant; stops of joints can be taken out of these."""
-    data = for_leg(model, data)
+    data = model.select(data)
     if isinstance(data, Poses):
         still, count = np.zeros_like(data.q), len(data)
         motion = model.motion(data.q, still, still, data.torso, data.payloads)
@@ -295,23 +295,3 @@ def chain(stretches: Sequence[Rows]) -> Rows:
     )
     known = [rows.known for rows in stretches if rows.known is not None]
     return stretches[0]._replace(**arrays, reversals=reversals, known=np.concatenate(known) if known else None)
-
-
-Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
-
-
-def for_leg(model: RegressorModel, recording: Measured) -> Measured:
-    """Pick the leg's joints from a recording or poses, by name; wrenches are those on the axes of links."""
-    names = model.joint_names
-    for chosen in (names, model.joint_labels):
-        if set(chosen) <= set(recording.joint_names):
-            found: Measured = model.select(recording, chosen)
-            return found
-    missing = [name for name in names if name not in recording.joint_names]
-    raise UnreadableInputError(
-        f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
-        where=recording.file_name,
-        remedy="map its columns, columns={'q_" + missing[0] + "': '<header>', ...}, or hold it (joints= of the leg)",
-        command=f"rename its columns, or map them: --column q_{missing[0]}=HEADER --column tau_{missing[0]}=HEADER",
-        joints=tuple(missing),
-    )

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, UnreadableInputError
 from exoid.leg.closure import Closure
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import without_side
@@ -23,6 +24,8 @@ from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
 from .regrouping import Regrouped, regroup
 from .term import Term, TermBlock, load_motion
+
+Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,16 +78,6 @@ class TorqueModel:
         return f"{type(self).__name__}({self.leg.description.name!r}, terms: {terms}; {', '.join(self.names)})"
 
     @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Joints of the leg, (n,)."""
-        return self.leg.joint_names
-
-    @property
-    def joint_labels(self) -> tuple[str, ...]:
-        """Joint names as they occur in parameter names, (n,)."""
-        return self.leg.joint_labels
-
-    @property
     def row_names(self) -> tuple[str, ...]:
         """Rows of the equation: the joints, behind forces and moments on a floating base."""
         return self.leg.row_names
@@ -92,7 +85,7 @@ class TorqueModel:
     @property
     def row_joints(self) -> tuple[int, ...]:
         """Joint of each row; −1 for none."""
-        return (-1,) * self.leg.base_rows + tuple(range(len(self.joint_names)))
+        return (-1,) * self.leg.base_rows + tuple(range(len(self.leg.joint_names)))
 
     @cached_property
     def blocks(self) -> tuple[TermBlock, ...]:
@@ -130,7 +123,7 @@ class TorqueModel:
         base_rows = self.leg.base_rows
         acting = np.zeros((len(self.row_names), len(self.names)), dtype=np.bool_)
         base = None if self.leg.base == "fixed" else random_base(10)
-        q, v, a = random_motion(10, len(self.joint_names), self.leg.closure)
+        q, v, a = random_motion(10, len(self.leg.joint_names), self.leg.closure)
         rigid = np.zeros((len(self.leg.parameter_names), len(acting), len(q)))
         self.leg.fill_regressor(q, v, a, rigid, base)
         acting[:, : len(rigid)] = rigid.any(axis=2).T
@@ -150,7 +143,7 @@ class TorqueModel:
             These parameters, with those that include them.
         """
         whole = TorqueModel(self.leg, self.terms, self.rigid, ())
-        q, v, a = random_motion(10 * len(whole.names), len(self.joint_names), self.leg.closure)
+        q, v, a = random_motion(10 * len(whole.names), len(self.leg.joint_names), self.leg.closure)
         base = random_base(len(q)) if moving_base or self.leg.base != "fixed" else None
         loaded = {name for block in self.blocks if block.term.loaded for name in block.names}
         columns = whole.columns(whole.motion(q, v, a, base))
@@ -204,7 +197,7 @@ class TorqueModel:
         parameters = [*self.leg.parameter_names[3 * joint : 3 * joint + 3]]
         for block in self.blocks:
             if block.joints == (joint,):
-                still = np.zeros((len(self.joint_names), 2))
+                still = np.zeros((len(self.leg.joint_names), 2))
                 states = {(joint, state): still[0] for state in (block.term.internal_state,) if state is not None}
                 columns = block.columns(LoadedMotion(still, still, still, still, still, states))
                 parameters += [name for name, column in zip(block.names, columns, strict=True) if not column.any()]
@@ -322,19 +315,31 @@ class TorqueModel:
             torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
         return torque
 
-    def select(self, recording: Recording | Poses, joints: tuple[str, ...]) -> Recording | Poses:
-        """Pick the joints of the leg, with wrenches in axes of their links.
+    def select(self, recording: Measured) -> Measured:
+        """Pick the joints of the leg by name, with or without their side; wrenches are those in axes of links.
 
         Args:
             recording: Recording of all joints, or poses, which have no wrenches.
-            joints: Joints of the leg as the recording calls them.
 
         Returns:
-            The recording, or the poses, of these joints.
+            The recording, or the poses, of the joints of the leg.
 
         Raises:
-            ExoidError: A joint that follows from a closed loop, and is passive, has a torque.
+            ExoidError: A joint is missing, or one that follows from a closed loop, and is passive, has a torque.
         """
+        names = self.leg.joint_names
+        missing = [name for name in names if name not in recording.joint_names]
+        joints = names if not missing else self.leg.joint_labels
+        if not set(joints) <= set(recording.joint_names):
+            raise UnreadableInputError(
+                f"the leg's {', '.join(missing)} not in the recording, which has {', '.join(recording.joint_names)}",
+                where=recording.file_name,
+                remedy=f"map its columns, columns={{'q_{missing[0]}': '<header>', ...}}, or hold it (joints= of the "
+                "leg)",
+                command=f"rename its columns, or map them: --column q_{missing[0]}=HEADER "
+                f"--column tau_{missing[0]}=HEADER",
+                joints=tuple(missing),
+            )
         if self.leg.closure is not None:
             self._refuse_dependent_torques(recording, self.leg.closure)
         found = recording if recording.joint_names == joints else recording.select(joints)

@@ -13,7 +13,6 @@ from exoid.control.model import ControlModel, ModelSource
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.estimate import Estimate
 from exoid.estimate.late_velocity import late_velocities
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
@@ -140,7 +139,7 @@ def observed_log(source: ModelSource, recording: Recording, rate: float) -> Reco
     model = source.model if isinstance(source, Estimate) else TorqueModel(ControlModel.of(source).leg, ())
     if isinstance(source, Estimate) and source.actuators is not None:
         recording = source.actuators.torque(recording)
-    recording = for_leg(model, recording)
+    recording = model.select(recording)
     missing = tuple(name for name, there in zip(recording.joint_names, recording.measured, strict=True) if not there)
     if recording.tau is None or missing:
         raise UnreadableInputError(

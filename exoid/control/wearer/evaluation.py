@@ -12,7 +12,7 @@ from exoid.estimate import EstimateData
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.ground_validation import compare_on_ground, wrench_variance
 from exoid.regression.every_row import each_row
-from exoid.regression.rows import Prepared, for_leg, prepare
+from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import stands
 from exoid.torques import Coulomb
@@ -45,7 +45,7 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)
     model, count, leg = estimate.band_model, len(estimate.values), len(estimate.model.leg.parameter_names)
     rubbing, name, (dry, speed) = estimate.model.friction, recording.file_name, _dry_friction(estimate)
-    prepared, data = prepare(estimate.model, recording, preparation, every=True), for_leg(estimate.model, recording)
+    prepared, data = prepare(estimate.model, recording, preparation, every=True), estimate.model.select(recording)
     prepared = prepared._replace(motion=model.with_states(prepared.motion))
     noise = bandwidth * estimate.noise_variance
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)

@@ -25,7 +25,6 @@ from exoid.estimate.validation_checks import (
 )
 from exoid.identification.findings.channels import channel_findings
 from exoid.regression.intervals import half_width
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
@@ -266,7 +265,7 @@ def interaction(
     estimate, (recording,) = to_predict(estimate, [recording], actuators)
     chosen = TorqueFilter.of(estimate, cutoff)
     recording, late = without_late_velocity(as_trained(estimate, recording))
-    recording = for_leg(estimate.model, recording)
+    recording = estimate.model.select(recording)
     name, measured = recording.file_name, recording.measured
     even, preparation = recording.resampled(), chosen.preparation
     rate = even.sample_rate

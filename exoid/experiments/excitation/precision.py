@@ -14,7 +14,6 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, RANK
-from exoid.regression.rows import for_leg
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.contacts import stands
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
@@ -125,7 +124,7 @@ def information_of(
             raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
         return reduce(Information.plus, each)
     if preparation is None:
-        preparation = ZeroPhase(choose_cutoff([for_leg(model, one) for one in recordings]))
+        preparation = ZeroPhase(choose_cutoff([model.select(one) for one in recordings]))
     count = len(model.names)
     R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
     for recording in recordings:
@@ -138,7 +137,7 @@ def information_of(
 
 def on_ground(model: TorqueModel, recordings: Iterable[Recording]) -> bool:
     """Tell whether rows are those of a leg on the ground: its base floats, or a log depends on contacts."""
-    return bool(model.leg.base_rows) or any(stands(model.leg, for_leg(model, one)) for one in recordings)
+    return bool(model.leg.base_rows) or any(stands(model.leg, model.select(one)) for one in recordings)
 
 
 def supports_during(
@@ -147,7 +146,7 @@ def supports_during(
     """Sets of links that rest, with the parts of the recordings during which they do."""
     found: dict[tuple[str, ...], list[Recording]] = {}
     for recording in recordings:
-        for links, _, part in split(model.leg, for_leg(model, recording), preparation).stretches:
+        for links, _, part in split(model.leg, model.select(recording), preparation).stretches:
             found.setdefault(links, []).append(part)
     for links, parts in found.items():
         if not links and (model.leg.base_rows or any(one.wrenches for one in parts)):
@@ -167,7 +166,7 @@ def _rows(
     model: TorqueModel, recording: Recording, noise: TorqueNoise, preparation: Preparation
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Weighted rows W̃ of each joint, and Fᵀ W̃."""
-    recording = for_leg(model, recording).resampled()
+    recording = model.select(recording).resampled()
     rate, of_joints = recording.sample_rate, noise.per_sample(recording.sample_rate)
     for block in _blocks(recording):
         q, v, a, valid = preparation.kinematics(block)

@@ -16,7 +16,6 @@ from exoid.identification.problem import Problem
 from exoid.regression.fit import wls
 from exoid.regression.problem import Fit
 from exoid.regression.residuals import fit_noise
-from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
 from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
@@ -85,7 +84,7 @@ class JointML:
                 raise NotSupportedError(what, where=data.file_name, remedy="use wls, huber or ols")
         first = wls(problem)
         model = smooth(group.model)
-        preparation = ZeroPhase(choose_cutoff([for_leg(group.model, data) for data in group.motions]))
+        preparation = ZeroPhase(choose_cutoff([group.model.select(data) for data in group.motions]))
         moving = [_moving(group.model, data, preparation) for data in group.motions]
         fit = partial(fit_motion, model, solve=problem.solve, priors=problem.prior_knowledge.pseudo_rows(problem.names))
         start = first if preparation == group.preparation else wls(problem.changed(preparation=preparation))
@@ -118,7 +117,7 @@ def smooth(model: TorqueModel) -> TorqueModel:
 
 
 def _moving(model: TorqueModel, recording: Recording, preparation: ZeroPhase) -> Moving:
-    recording = replace(for_leg(model, recording).resampled(), v=None, a=None)
+    recording = replace(model.select(recording).resampled(), v=None, a=None)
     q, v, _, _ = preparation.kinematics(recording)
     usable = model.usable(v).astype(np.float64)
     slow, parallel = model.reversing(v), preparation.parallel(recording.sample_rate)

@@ -10,7 +10,6 @@ from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during, vertical
 
@@ -30,11 +29,11 @@ def out_of_plane_torque(
 def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
     """Compare the torque of motion out of the plane of a leg with that of the whole motion, joint by joint."""
     model, preparation, data = fitted.model, fitted.preparation, fitted.data
-    worst, name = np.zeros(len(model.joint_names)), ""
+    worst, name = np.zeros(len(model.leg.joint_names)), ""
     for one in data if model.leg.limbs else ():
         if not isinstance(one, Recording) or one.base is None:
             continue
-        recording = for_leg(model, one)
+        recording = model.select(one)
         base = base_during(recording, preparation)
         assert isinstance(base, BaseKinematics)
         q, v, a, valid = preparation.kinematics(recording)
@@ -45,7 +44,7 @@ def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
         shares = np.sqrt(np.mean(extra**2, axis=0) / power)
         if shares.max() > worst.max():
             worst, name = shares, one.file_name
-    for j, joint in enumerate(model.joint_names):
+    for j, joint in enumerate(model.leg.joint_names):
         share = float(worst[j])
         if share > 0.01:
             message = (

@@ -58,8 +58,8 @@ def described(change: Change, evidence: Evidence, model: TorqueModel, columns: S
         if kind == "gains":
             return Nuisance("change", "", -1, "1", (last,), f"{change.when}, the scale of all torques")
         unit, what = ("1", "the scale of the torque") if kind == "gain" else ("rad", "the offset of the angle")
-        what = f"{what} of {model.joint_names[joint]}"
-    return Nuisance("change", model.joint_names[joint], joint, unit, (last,), f"{change.when}, {what}")
+        what = f"{what} of {model.leg.joint_names[joint]}"
+    return Nuisance("change", model.leg.joint_names[joint], joint, unit, (last,), f"{change.when}, {what}")
 
 
 def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -> Change | None:

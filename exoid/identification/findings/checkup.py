@@ -15,7 +15,6 @@ from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.late_velocity import late_velocities
 from exoid.regression.least_squares import TINY
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
 
@@ -69,7 +68,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
     """Check the channels and times of recordings; no fit is needed."""
     recordings, closure = [one for one in data if isinstance(one, Recording)], model.leg.closure
     for one in recordings:
-        chosen = for_leg(model, one)
+        chosen = model.select(one)
         found: dict[tuple[str, str], Finding] = {}
         for part in segments(chosen):
             checks = channel_findings, wraps, angle_jumps, missing_samples, stamp_jitter, late_velocities
@@ -85,7 +84,7 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
             doubtful = np.array(model.names)[model.acting[joints].any(axis=0)].tolist()
             yield replace(finding, parameters=tuple(doubtful), recording=one.file_name if len(data) > 1 else "")
     if len(recordings) > 1:
-        yield from repeated_data([for_leg(model, one) for one in recordings], model.names)
+        yield from repeated_data([model.select(one) for one in recordings], model.names)
 
 
 def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evidence, list[Finding]]:
@@ -147,16 +146,16 @@ def _finer_findings(
     fitted: FittedLeg, evidence: Evidence, scales: Sequence[Finding]
 ) -> tuple[list[Finding], bool, FloatArray]:
     """Faults of nuisance columns, beside scales of torques; whether one moves parameters far; RMS residuals left."""
-    model, factors = fitted.model, np.ones(len(fitted.model.joint_names))
+    model, factors = fitted.model, np.ones(len(fitted.model.leg.joint_names))
     for finding in (one for one in scales if one.joint and one.severity != "info"):
-        factors[model.joint_names.index(finding.joint)] = 1.0 / finding.value
+        factors[model.leg.joint_names.index(finding.joint)] = 1.0 / finding.value
     if (factors != 1.0).any():  # to the fit of all joints, another unit of one would look like other faults
         data = [one if one.tau is None else replace(one, tau=one.tau * factors) for one in fitted.data]
         fitted = fitted._replace(data=tuple(data))
         evidence = gather(fitted._replace(values=State.of(gather(fitted), ()).values))
     faults, left = find_faults(fitted, evidence)
     known = {(finding.kind, finding.joint) for finding in scales}
-    if scales and len(model.joint_names) == 2:  # of two joints only the ratio shows, at the second
-        known.add(("torque-scale", model.joint_names[1]))
+    if scales and len(model.leg.joint_names) == 2:  # of two joints only the ratio shows, at the second
+        known.add(("torque-scale", model.leg.joint_names[1]))
     finer = [one for one in findings_of(fitted, faults) if (one.kind, one.joint) not in known]
     return [*scales, *finer], any(fault.moves_far for fault in faults), left / factors

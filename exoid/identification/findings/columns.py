@@ -58,7 +58,7 @@ class NuisanceColumns:
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint, (n, K)."""
-        joints = np.arange(len(self.model.joint_names))
+        joints = np.arange(len(self.model.leg.joint_names))
         return np.array([(joints == c.place) | (c.kind in OF_ALL_JOINTS) for c in self.columns], dtype=np.bool_).T
 
     def motion(self, motion: Motion) -> Motion:

@@ -51,7 +51,7 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
                 f"the torque is logged as a magnitude: by the model it is negative {share:.0%} of the time; residuals "
                 f"are {better[j]:.3g} times smaller with that sign"
             )
-            remedy, joint = "log torque or current with its sign", model.joint_names[j]
+            remedy, joint = "log torque or current with its sign", model.leg.joint_names[j]
             names = tuple(np.array(model.names)[model.acting[j]].tolist())
             yield Finding("unsigned-torque", joint, share, "1", "error", message, remedy, parameters=names)
 
@@ -60,7 +60,7 @@ def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
     """Fit the URDF's gravity and inertial torques with a factor each: only the latter may be in the log."""
     fitted, model, evidence = checked.fitted, checked.fitted.model, checked.evidence
     count, urdf = len(model.names), model.leg.parameters
-    rigid, n = len(urdf), len(model.joint_names)
+    rigid, n = len(urdf), len(model.leg.joint_names)
     small = [np.linalg.norm(R[:, :rigid] @ urdf) > 1.5 * np.linalg.norm(R[:, -1]) for R in evidence.factors]
     moved = any(isinstance(one, Recording) and one.base is not None for one in fitted.data)
     if moved or not ((checked.nrmse > POOR).any() or checked.below.any() or any(small)):

@@ -21,7 +21,7 @@ from .sample import FittedLeg
 def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses], *, weights: bool = False) -> list[FloatArray]:
     """R factors of rows [W τ₁ … τₙ], or [W G τ₁ … τₙ] with G that of gravity, n of (M, P + n) or (M, P + p + n)."""
     model, rigid = fitted.model, len(fitted.model.leg.parameter_names)
-    tables: list[list[FloatArray]] = [[] for _ in model.joint_names]
+    tables: list[list[FloatArray]] = [[] for _ in model.leg.joint_names]
     for one in data:
         # torques may be another joint's, with other reversals: none is taken out
         prepared = prepare(model, one, fitted.preparation, stops=False)

@@ -207,7 +207,7 @@ FORMS = {
 def without_offset(model: TorqueModel) -> list[int]:
     """Joints on which no term acts that describes a constant torque."""
     biased = {joint for one in model.blocks if isinstance(one.term, (Offset, Stiffness)) for joint in one.joints}
-    return [joint for joint in range(len(model.joint_names)) if joint not in biased]
+    return [joint for joint in range(len(model.leg.joint_names)) if joint not in biased]
 
 
 class Library(NamedTuple):
@@ -229,7 +229,7 @@ def library(
     model: TorqueModel, arms: Mapping[int, ArmShapes], free: Collection[int], *, known: bool, sensed: bool
 ) -> Library:
     """List the faults that are tested; of known torques, of payloads or sensors, where there are any."""
-    names, planar = model.joint_names, model.leg.chain is not None
+    names, planar = model.leg.joint_names, model.leg.chain is not None
     n, unbiased = len(names), without_offset(model)
     few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
     columns: list[Column] = []

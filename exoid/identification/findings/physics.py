@@ -64,7 +64,7 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
     model = checked.fitted.model
     urdf, rigid = model.leg.parameters, len(model.leg.parameter_names)
     scales: dict[str, float] = {}
-    for j, (joint, label) in enumerate(zip(model.joint_names, model.joint_labels, strict=True)):
+    for j, (joint, label) in enumerate(zip(model.leg.joint_names, model.leg.joint_labels, strict=True)):
         R, terms = checked.evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
         # A rotor that counts as inertia of a link is in no URDF: where gravity does not act, it is most of the torque.
         rotors = [name for one in model.regrouped if one.name == f"Ia_{label}" for name in one.into]
@@ -86,7 +86,7 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
         finding = _other_scale(joint, abs(signed), model.names)
         if joint and finding.severity == "warning":
             scaled = [R.copy() for R in checked.evidence.factors]
-            scaled[model.joint_names.index(joint)][:, -1] /= abs(signed)
+            scaled[model.leg.joint_names.index(joint)][:, -1] /= abs(signed)
             both = checked.evidence, checked.evidence._replace(factors=scaled)
             plain, other = (one.weights(one.free) for one in both)
             # relative residuals of all joints grow, or hardly shrink: the others contradict this scale
@@ -223,7 +223,7 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
 def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) -> Iterator[Finding]:
     """Find joints whose torque the model does not explain, nor, by the RMS residuals left, faults that were found."""
     model, wrong = checked.fitted.model, 0.5 if impossible else 0.9
-    for j, (joint, nrmse) in enumerate(zip(model.joint_names, checked.nrmse.tolist(), strict=True)):
+    for j, (joint, nrmse) in enumerate(zip(model.leg.joint_names, checked.nrmse.tolist(), strict=True)):
         # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
         lasting = checked.persistence[j] > 0.5 and left[j] > 0.15 * checked.spread[j]
         if nrmse <= (0.15 if lasting else 0.5):

@@ -101,11 +101,11 @@ def _best_reading(
     fitted: FittedLeg, as_logged: list[FloatArray], reference: float, *, angles: bool
 ) -> tuple[Reading | None, float]:
     """Reading that fits by far better, if any, and the misfit that another one would have to fall below."""
-    plain, *others = readings(fitted.model.joint_names)
+    plain, *others = readings(fitted.model.leg.joint_names)
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
     best, least = None, reference - share * np.log(FITS_BETTER)
     spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0)  # [rad]
-    names = fitted.model.joint_names
+    names = fitted.model.leg.joint_names
     still = {name for name, span in zip(names, spans, strict=True) if span < STILL}
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
     logged = kinematics = plain.angles, plain.angle_order

@@ -13,7 +13,6 @@ from exoid._typing import BoolArray
 from exoid.estimate.finding import Finding
 from exoid.identification.group_rows import Data, Group
 from exoid.identification.recording_summary import RecordingSummary, summarize
-from exoid.regression.rows import for_leg
 from exoid.signals import Poses, Recording, Recordings
 
 
@@ -48,7 +47,7 @@ def counted_once(group: Group) -> Group:
         return group
     model, summaries, findings = group.model, group.summaries, list(group.findings)
     moving = [k for k, one in enumerate(group.data) if isinstance(one, Recording)]
-    recordings = [for_leg(model, one) for one in group.data if isinstance(one, Recording)]
+    recordings = [model.select(one) for one in group.data if isinstance(one, Recording)]
     masks: dict[int, BoolArray] = {}
     for one, other, share, again in overlaps(recordings):
         first, second = moving[one], moving[other]

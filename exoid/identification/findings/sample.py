@@ -14,7 +14,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.model_error import COUNT, AlternativeFriction
 from exoid.regression.row_data import Rows
-from exoid.regression.rows import Prepared, chain, decimated, for_leg, form_rows, prepare
+from exoid.regression.rows import Prepared, chain, decimated, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.recording_data import change_samples
 from exoid.torques import Motion, TorqueModel
@@ -93,7 +93,7 @@ def some_samples(
         for k, where in (places[place] for place in evenly):
             one = data[k]
             chosen.append(one.take(where) if isinstance(one, Poses) else one.slice(where.start, where.stop))
-    selected = (for_leg(model, one) for one in chosen)
+    selected = (model.select(one) for one in chosen)
     return tuple(one.resampled() if isinstance(one, Recording) else one for one in selected)
 
 

@@ -96,7 +96,7 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
             found[0] = found[0]._replace(score=first._replace(move=move))
         return tuple(found), 1.0 / full.weights
     except (ExoidError, np.linalg.LinAlgError):
-        return (), np.full(len(fitted.model.joint_names), np.inf)  # too little is left for a check
+        return (), np.full(len(fitted.model.leg.joint_names), np.inf)  # too little is left for a check
 
 
 class _Beside(NamedTuple):
@@ -307,7 +307,7 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
     bodies, all_names = len(model.leg.parameter_names), np.array(model.names)
     doubtful = np.maximum(score.moves, in_half_widths(fault.reach, score.half)) > DOUBTFUL_MOVE
     if fault.moves_far:  # too large for a linear estimate of what it moves
-        acting = model.acting if not joint else model.acting[[model.joint_names.index(joint)]]
+        acting = model.acting if not joint else model.acting[[model.leg.joint_names.index(joint)]]
         doubtful |= acting.any(axis=0) & (score.half > 0.0)
     # An error has to be certain, and worth stopping for: a parameter moves far, and a joint's predicted torque by 5 %.
     # 30 of 32 springs are less probable in noise than 1e-8; other friction is more.

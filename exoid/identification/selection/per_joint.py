@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.identification.gather import model_with
 from exoid.leg.leg import Leg
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording, without_torque_delay
 from exoid.torques import Armature, Term
 from exoid.torques.catalog import USUAL
@@ -39,7 +38,7 @@ class Search:
     def design(self, library: Sequence[Columns], rigid: FloatArray | None) -> Design:
         """Form the rows of a fit."""
         model = model_with(self.leg, (Armature(), *self.beside), self.known)  # what all candidates share
-        recordings = [without_torque_delay(for_leg(model, one), self.late) for one in self.recordings if self.late]
+        recordings = [without_torque_delay(model.select(one), self.late) for one in self.recordings if self.late]
         design = form_design(model, recordings or self.recordings, self.cutoff, library, rigid)
         return design._replace(known={model.names.index(name): value for name, value in self.known.items()})
 

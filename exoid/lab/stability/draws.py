@@ -22,7 +22,7 @@ def draw_truths(
         remedy = "record what determines them"
         what = f"the covariance of {', '.join(unknown)} is not finite"
         raise NotIdentifiableError(what, parameters=tuple(unknown), remedy=remedy)
-    rng, n = np.random.default_rng(seed), len(model.joint_names)
+    rng, n = np.random.default_rng(seed), len(model.leg.joint_names)
     poses = np.random.default_rng(0).uniform(-np.pi, np.pi, (50, n))
     viscous = {name for block in model.blocks if isinstance(block.term, Viscous) for name in block.names}
     bounded = [k for k, name in enumerate(model.names) if name in viscous]

@@ -49,7 +49,7 @@ class SupportModel(TorqueModel):
         if self.plates:
             base = super().row_names[: 0 if self._without_flat else self.leg.base_rows]
             return (*base, *(f"shared_{k + 1}" for k in range(rows - free if free else 0)))
-        return tuple(f"{LOOP}{k + 1}" for k in range(free)) or self.joint_names
+        return tuple(f"{LOOP}{k + 1}" for k in range(free)) or self.leg.joint_names
 
     @property
     def row_joints(self) -> tuple[int, ...]:
@@ -57,19 +57,19 @@ class SupportModel(TorqueModel):
         if not self.links:
             return super().row_joints
         own = self.axes is None and not self.plates
-        return tuple(range(len(self.joint_names))) if own else (-1,) * len(self.row_names)
+        return tuple(range(len(self.leg.joint_names))) if own else (-1,) * len(self.row_names)
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which row, (R, P)."""
-        q, v, a = random_motion(10, len(self.joint_names), self.leg.closure)
+        q, v, a = random_motion(10, len(self.leg.joint_names), self.leg.closure)
         base = None if self.leg.base == "fixed" else random_base(10)
         return np.asarray(self.columns(self.motion(q, v, a, base))[: len(self.names)].any(axis=2).T)
 
     @property
     def _without_flat(self) -> bool:
         """Whether no link rests flat, so that base and joints form the rows together."""
-        return self.axes is not None and len(self.axes) > len(self.joint_names)
+        return self.axes is not None and len(self.axes) > len(self.leg.joint_names)
 
     def row_payload(self, payload: FloatArray, q: FloatArray, base: MovingBase | None = None) -> FloatArray:
         """Torque of payloads in the rows without the unknown wrenches."""
@@ -87,7 +87,7 @@ class SupportModel(TorqueModel):
     def row_shares(self, q: FloatArray) -> FloatArray | None:
         """Tell how the torque of each joint enters the rows."""
         loop = eliminate(self.leg, self.links, q, self.axes).loop if self.links else None
-        return loop if loop is None else loop[:, -len(self.joint_names) :]
+        return loop if loop is None else loop[:, -len(self.leg.joint_names) :]
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Tell which rows have a measured side: joints of a closed chain share theirs."""

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.estimate.validation import HEADERS
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
@@ -39,7 +38,7 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
     # Torque, friction and band pass one filter: that of the estimate's preparation, or of the cut-off [Hz].
     if estimate.actuators is not None:
         recording = estimate.actuators.torque(recording)
-    recording = for_leg(estimate.model, recording).resampled()
+    recording = estimate.model.select(recording).resampled()
     validation = validate(estimate, recording, cutoff=cutoff)
     preparation = validation.filter.preparation
     q, v, a, _ = preparation.kinematics(recording)

@@ -14,7 +14,6 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate, ground_forces
 from exoid.estimate.ground_prediction import GroundForce, level_wrench
-from exoid.regression.rows import for_leg
 from exoid.signals import Recording
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.tools.tables import DataTable
@@ -79,7 +78,7 @@ def _feet(estimate: Estimate, recording: Recording) -> Iterator[FootForce]:
     except ExoidError:
         return
     geometry = LegGeometry.of(leg, (), None)
-    plates, q = wrenches_on_links(leg, recording), for_leg(estimate.model, recording).q
+    plates, q = wrenches_on_links(leg, recording), estimate.model.select(recording).q
     for link, force in found.items():
         rows = np.searchsorted(recording.time, force.time - 0.5 / recording.sample_rate)
         measured = level_wrench(leg, q, link, plates[link], rows) if link in plates else None

@@ -11,7 +11,6 @@ from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate, validate
 from exoid.leg.leg import Leg
-from exoid.regression.rows import for_leg
 
 from .leg_geometry import LegGeometry
 from .replay import LegTrajectory, Replay, at_frames
@@ -54,7 +53,7 @@ def joint_readings(
     predicted = None
     if isinstance(source, Estimate) and replay is not None and trajectory.measured:
         try:
-            found = validate(source, for_leg(source.model, replay.recording).resampled())
+            found = validate(source, source.model.select(replay.recording).resampled())
         except ExoidError:  # the recording does not allow a prediction
             pass
         else:

@@ -67,7 +67,7 @@ def test_draws_of_parameters_give_the_same_legs_as_control_models(name):
         [dict(zip(model.leg.parameter_names, model.leg.parameters, strict=True)).get(n, 0.4) for n in model.names]
     )
     draws = start * rng.uniform(0.9, 1.1, (3, len(start)))
-    q = rng.uniform(-0.5, 0.5, len(model.joint_names))
+    q = rng.uniform(-0.5, 0.5, len(model.leg.joint_names))
     many = linear_legs(model, draws, q)
     for k, draw in enumerate(draws):
         one = linear_leg(ControlModel.of_parameters(model, draw), q)
