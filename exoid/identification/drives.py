@@ -114,12 +114,12 @@ class DriveModel(TorqueModel):
     constants: tuple[DriveConstant, ...] = field(kw_only=True)  # the constants, K of them, whose changes are parameters
     actuators: Actuators = field(kw_only=True)  # drives with the constants κ₀
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters, then of the constants, (P + K,)."""
         return (*super().names, *(each.name for each in self.constants))
 
-    @property
+    @cached_property
     def units(self) -> tuple[str, ...]:
         """Units of the parameters and of the constants, (P + K,)."""
         return (*super().units, *(each.constant.unit for each in self.constants))

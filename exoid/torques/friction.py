@@ -62,6 +62,7 @@ class LoadFriction(DryFriction):
     split: bool = False
 
     loaded = True
+    nonnegative = ("mu", "mu_drive", "mu_back")
 
     @property
     def symbols(self) -> tuple[str, ...]:
@@ -72,11 +73,6 @@ class LoadFriction(DryFriction):
     def units(self) -> tuple[str, ...]:
         """Dimensionless."""
         return ("1",) * len(self.symbols)
-
-    @property
-    def nonnegative(self) -> tuple[str, ...]:
-        """All symbols."""
-        return self.symbols
 
     def fill(self, motion: JointMotion, out: FloatArray) -> None:
         """Write the column |τ_rb| z, or its driving and its back-driving part."""

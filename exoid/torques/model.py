@@ -102,15 +102,25 @@ class TorqueModel:
         """Names of all parameters, including the regrouped ones."""
         return (*self.leg.parameter_names, *(name for block in self.blocks for name in block.names))
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the parameters in the order of the columns, (P,)."""
-        return tuple(self._units)
+        """Names of the parameters in the order of the columns, (P,): all but the regrouped ones."""
+        regrouped = {one.name for one in self.regrouped}
+        return tuple(name for name in self.every_name if name not in regrouped)
 
-    @property
+    @cached_property
     def units(self) -> tuple[str, ...]:
         """Units of the parameters, (P,)."""
-        return tuple(self._units.values())
+        units = dict(zip(self.leg.parameter_names, self.leg.parameter_units, strict=True))
+        turns = turning_joints(self.leg)
+        for block in self.blocks:
+            of_term = block.term.units
+            if not any(turns[joint] for joint in block.joints):  # a joint that slides has N, m and kg
+                of_term = tuple(u.replace("N·m", "N").replace("rad", "m").replace("kg·m²", "kg") for u in of_term)
+            units.update(zip(block.names, of_term, strict=True))
+        for regrouped in self.regrouped:
+            del units[regrouped.name]
+        return tuple(units.values())
 
     @property
     def loaded(self) -> bool:
@@ -432,20 +442,6 @@ class TorqueModel:
                 for joint in joints:
                     reversing[:, self.leg.base_rows + joint] |= mask
         return reversing
-
-    @cached_property
-    def _units(self) -> dict[str, str]:
-        """Unit of each parameter that is not regrouped."""
-        units = dict(zip(self.leg.parameter_names, self.leg.parameter_units, strict=True))
-        turns = turning_joints(self.leg)
-        for block in self.blocks:
-            of_term = block.term.units
-            if not any(turns[joint] for joint in block.joints):  # a joint that slides has N, m and kg
-                of_term = tuple(u.replace("N·m", "N").replace("rad", "m").replace("kg·m²", "kg") for u in of_term)
-            units.update(zip(block.names, of_term, strict=True))
-        for regrouped in self.regrouped:
-            del units[regrouped.name]
-        return units
 
 
 def _of_joints(v: FloatArray, joints: tuple[int, ...]) -> FloatArray:

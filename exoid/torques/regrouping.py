@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
+from exoid.regression.least_squares import column_scale
 
 DEPENDENT = 2e-4
 """A unit column this close to the span of the columns before it is linearly dependent on them.
@@ -42,8 +43,7 @@ def regroup(
     # Each column is compared with those before it. Terms that depend on the load are left to the fit: their columns
     # depend on the parameters.
     W = columns.transpose(2, 1, 0).reshape(-1, len(names))
-    scale = np.linalg.norm(W, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
+    scale = column_scale(W)
     R = np.asarray(np.linalg.qr(W / scale, mode="r"))  # small: a seven-joint arm has 80 columns
     kept, regrouped = list(range(of_leg)), []
     for k in (k for k in range(of_leg, len(names)) if names[k] not in loaded):
