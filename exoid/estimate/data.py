@@ -248,7 +248,10 @@ class EstimateData(ParameterTable):
         """Variance of the noise of each joint's torque behind the filter of the training [N²·m²], (n,)."""
         lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
         residual = lost * self.residual_rms**2
-        return residual if self.model_error is None else self.model_error.noise(residual)
+        if self.model_error is None:
+            return residual
+        # At least a quarter of the residual variance is noise, whatever friction of other forms explains
+        return np.maximum(residual - self.model_error.explained, 0.25 * residual)
 
     def measured_variance(self, rows: FloatArray, bandwidth: float = 1.0) -> FloatArray:
         """Variance of a measured torque about the predicted one: parameters, noise and model error.

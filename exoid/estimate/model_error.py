@@ -102,15 +102,3 @@ class ModelError:
         count = len(self.parameters)
         moved = rows[..., :count] @ self.parameters + np.einsum("njk,jkr->njr", rows[..., count:], self.alternatives)
         return np.asarray((moved**2).sum(axis=-1))
-
-    def noise(self, residual: FloatArray) -> FloatArray:
-        """Compute which part of the residual variance of the training is noise.
-
-        Args:
-            residual: Residual variance of each joint [N²·m²], (n,).
-
-        Returns:
-            Variance of the noise [N²·m²], (n,).
-        """
-        # At least this part of the residual variance is noise, whatever the alternatives explain
-        return np.maximum(residual - self.explained, 0.25 * residual)

@@ -79,11 +79,6 @@ class Problem:
         """Names of all parameters."""
         return self.layout.names
 
-    @property
-    def joint_names(self) -> list[str]:
-        """Joints of all groups, group by group."""
-        return [name for group in self.groups for name in group.model.row_names]
-
     def solve(self, r_factor: RFactor) -> Solution:
         """Solve for weighted rows, with what is known beside them."""
         never = None

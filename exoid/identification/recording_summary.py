@@ -62,14 +62,23 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         what = "no sample counts: the mask is 0 everywhere"
         raise NotIdentifiableError(what, where=data.file_name, remedy="leave the recording out")
     q = np.ascontiguousarray(chosen.q[counted].T)  # joint by joint is eight times as fast
-    tau = None if chosen.tau is None else chosen.tau[counted]
+    torques = None
+    if chosen.tau is not None:
+        tau = chosen.tau[counted]
+        first = tau[0].copy()  # a view would keep all of it
+        middle = np.median(tau[:: 1 + len(tau) // 100_000], axis=0)  # of samples spread over a long recording
+        passive, computed = (np.isin(chosen.joint_names, getattr(chosen, name, ())) for name in ("passive", "computed"))
+        each = list(zip(tau.T, first, middle, strict=True))
+        constant = np.array([bool((of_joint == value).all()) for of_joint, value, _ in each])
+        share = np.array([np.count_nonzero(of_joint == common) / len(tau) for of_joint, _, common in each])
+        torques = Torques(first, constant, middle, share, ~np.isnan(first), passive, computed)
     return RecordingSummary(
         evidence(data),
         data.file_name,
         q.min(axis=1),
         q.max(axis=1),
         q.mean(axis=1),
-        None if tau is None else _torques(tau, chosen),
+        torques,
         acceleration_power(chosen) if for_cutoff else None,
         _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
         stands(model.leg, chosen),
@@ -158,18 +167,6 @@ def unmeasured_joints(joint_names: Sequence[str], summaries: Sequence[RecordingS
 def angle_spans(summaries: Sequence[RecordingSummary]) -> FloatArray:
     """Span of the angle of each joint over all recordings [rad], (n,)."""
     return np.asarray(np.max([one.highest for one in summaries], 0) - np.min([one.lowest for one in summaries], 0))
-
-
-def _torques(tau: FloatArray, data: Recording | Poses) -> Torques:
-    first = tau[0].copy()  # a view would keep all of it
-    # Samples spread over a long recording that are looked at to find that value
-    middle = np.median(tau[:: 1 + len(tau) // 100_000], axis=0)
-    passive, computed = (np.isin(data.joint_names, getattr(data, name, ())) for name in ("passive", "computed"))
-    constant, share = [], []
-    for of_joint, value, common in zip(tau.T, first, middle, strict=True):
-        constant.append(bool((of_joint == value).all()))
-        share.append(np.count_nonzero(of_joint == common) / len(tau))
-    return Torques(first, np.array(constant), middle, np.array(share), ~np.isnan(first), passive, computed)
 
 
 def evidence(data: Recording | Poses) -> Input:

@@ -72,6 +72,7 @@ class Result:
         found = uncertainty_of(problem, fit, white=white)
         covariance = found.covariance if fitted.doubt is None else found.covariance + fitted.doubt
         noise = describe_noise(problem, fit, found.noises)
+        joints = [name for group in problem.groups for name in group.model.row_names]
         of_groups = [slice(*pair) for pair in pairwise(problem.starts[1])]
         rows = [stack(problem.r_factors[part], fit.weights[part]) for part in of_groups]
         free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
@@ -109,7 +110,11 @@ class Result:
             warnings=(
                 *fitted.warnings,
                 *collinearity.warnings(problem.names),
-                *(() if white else short_runs(found.noises, problem.joint_names)),
+                *(
+                    ()
+                    if white
+                    else short_runs(found.noises, joints)
+                ),
             ),
         )
 

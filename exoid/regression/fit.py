@@ -77,7 +77,19 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
     found = fit.uncertainty or correlated_uncertainty(problem, fit)
     if white:
         found = found._replace(covariance=fit.solution.covariance, dofs=None)
-    return found if fit.uncertainty else _no_surer_than_rows(found, problem, fit)
+    if fit.uncertainty:
+        return found
+    # No variance is below that for white noise of `ACCURACY` of each joint's RMS torque; correlations stay
+    inverse, variances = fit.solution.inverse, np.diag(found.covariance)
+    smallest = np.zeros(len(inverse))
+    for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
+        if r_factor.rows:
+            size = ACCURACY**2 * float(r_factor.R[:, -1] @ r_factor.R[:, -1]) / r_factor.samples
+            smallest += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
+    if (variances >= smallest).all():
+        return found
+    scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))
+    return found._replace(covariance=found.covariance * np.multiply.outer(scale, scale))
 
 
 def correlated_uncertainty(rows: RowSource, fit: Fit) -> Uncertainty:
@@ -90,20 +102,6 @@ def correlated_uncertainty(rows: RowSource, fit: Fit) -> Uncertainty:
     variances = np.diag(found.covariance)
     scale = np.sqrt(np.divide(left_out.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
     return Uncertainty(found.covariance * np.multiply.outer(scale, scale), left_out.dofs, found.noises)
-
-
-def _no_surer_than_rows(found: Uncertainty, problem: RowProblem, fit: Fit) -> Uncertainty:
-    """Raise variances to those for white noise of :data:`ACCURACY` of each joint's RMS torque; correlations stay."""
-    inverse, variances = fit.solution.inverse, np.diag(found.covariance)
-    smallest = np.zeros(len(inverse))
-    for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
-        if r_factor.rows:
-            size = ACCURACY**2 * float(r_factor.R[:, -1] @ r_factor.R[:, -1]) / r_factor.samples
-            smallest += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
-    if (variances >= smallest).all():
-        return found
-    scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))
-    return found._replace(covariance=found.covariance * np.multiply.outer(scale, scale))
 
 
 def samples_left(

@@ -38,7 +38,7 @@ class RFactor(NamedTuple):
     R: FloatArray  # upper R factor, (P + 1, P + 1)
     rows: int  # number of rows that it stands for
     samples: float  # number of independent samples among them
-    taken: FloatArray | None = None  # R factor of what was taken out at reversals, (M, P + 1); None for nothing
+    taken: FloatArray | None = None  # R factor of what was taken out at reversals, (P + 1, P + 1); None for nothing
     all_rows: int = 0  # number of rows with what was taken out
 
     def among(self, columns: NDArray[np.intp], width: int) -> RFactor:
@@ -64,7 +64,8 @@ def factorize_rows(rows: Rows) -> list[RFactor]:
         taken, left = rows.reversals[joint] if rows.reversals else (None, 1.0)
         r_factor = factorize(table.T, round(left * count), left * count * rows.independent_fraction)
         r_factor = r_factor.among(columns, rows.W.shape[2] + 1)
-        r_factors.append(r_factor._replace(taken=_triangle(taken), all_rows=count))
+        taken = None if taken is None else factorize(taken, 0, 0.0).R
+        r_factors.append(r_factor._replace(taken=taken, all_rows=count))
     return r_factors
 
 
@@ -97,13 +98,6 @@ def factorize(table: FloatArray, rows: int, samples: float) -> RFactor:
     return RFactor(np.triu(factored[:width]), rows, samples)
 
 
-def _triangle(table: FloatArray | None) -> FloatArray | None:
-    """R factor of rows, (P + 1, P + 1) at most."""
-    if table is None or len(table) <= table.shape[1]:
-        return table
-    return np.asarray(np.linalg.qr(table, mode="r"))
-
-
 def rms_residual(r_factors: Sequence[RFactor], values: FloatArray) -> float:
     """RMS residual over the rows of several R factors, reversals included [N·m]."""
     error = np.append(values, -1.0)
@@ -131,7 +125,7 @@ def stack(r_factors: Sequence[RFactor], weights: Sequence[float] | None = None) 
     )
     taken = [weight * each.taken for weight, each in weighted if each.taken is not None]
     all_rows = sum(max(each.rows, each.all_rows) for each in r_factors)
-    return stacked._replace(taken=_triangle(np.vstack(taken)) if taken else None, all_rows=all_rows)
+    return stacked._replace(taken=factorize(np.vstack(taken), 0, 0.0).R if taken else None, all_rows=all_rows)
 
 
 def column_scale(A: FloatArray) -> FloatArray:

@@ -54,10 +54,6 @@ class RowSource(Protocol):
 class RowProblem(LeastSquaresProblem, RowSource, Protocol):
     """A problem whose rows can be gone over again, joint by joint."""
 
-    @property
-    def joint_names(self) -> Sequence[str]:
-        """Joint of each row block; groups follow each other."""
-
     def blocks(self) -> Iterator[RowBlock]:
         """Go over all rows in order of time, recording by recording."""
 

@@ -57,7 +57,18 @@ def fit_noise(problem: RowSource, fit: Fit, covariance: FloatArray) -> dict[tupl
         if part.kind.at_rest:
             found[:, 1:] = 0.0
         sums[part.kind, part.joint] = sums.get((part.kind, part.joint), 0.0) + found
-    return {key: _model(*found) for key, found in sums.items()}
+    noises = dict.fromkeys(sums, AutoregressiveNoise.none())
+    for key, (products, pairs) in sums.items():
+        if pairs[0] <= 0.0:
+            continue
+        # Lags up to N/10 count, and up to the first without a pair, which short recordings or segments do not have.
+        samples, run = pairs[0], int(np.argmin(np.append(pairs, 0.0) > 0.0))
+        known = min(len(pairs), 1 + int(samples) // 10)
+        longest_run, known = (run, run) if run < known else (None, known)
+        taper = np.clip(1.0 - np.arange(known) / samples, 0.0, None)  # as if no sample were left out
+        noise = AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
+        noises[key] = replace(noise, longest_run=longest_run)
+    return noises
 
 
 def sandwich(problem: RowSource, fit: Fit) -> Uncertainty:
@@ -76,19 +87,6 @@ def sandwich(problem: RowSource, fit: Fit) -> Uncertainty:
         if (np.abs(old - new) <= 1e-3 * new).all():
             break
     return Uncertainty(covariance, None, noises)
-
-
-def _model(products: FloatArray, pairs: FloatArray) -> AutoregressiveNoise:
-    """Noise of autocovariances Σ e_t e_{t+k} / pairs_k, tapered by 1 − k/N as if no sample were left out."""
-    # Lags up to N/10 count, and up to the first without a pair, which short recordings or segments do not have.
-    if pairs[0] <= 0.0:
-        return AutoregressiveNoise.none()
-    samples, run = pairs[0], int(np.argmin(np.append(pairs, 0.0) > 0.0))
-    known = min(len(pairs), 1 + int(samples) // 10)
-    longest_run, known = (run, run) if run < known else (None, known)
-    taper = np.clip(1.0 - np.arange(known) / samples, 0.0, None)
-    model = AutoregressiveNoise.from_autocovariances(products[:known] / pairs[:known] * taper, samples)
-    return replace(model, longest_run=longest_run)
 
 
 def matrix_root(covariance: FloatArray) -> FloatArray:

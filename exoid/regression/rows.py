@@ -211,7 +211,16 @@ def _filtered(
     """Some rows of columns (P or more, n, N) and torques (K, N) behind the filter; what does not act stays zero."""
     known = np.ones((len(columns) - acting.shape[1], columns.shape[1]), dtype=np.bool_)
     places = np.argwhere(np.vstack([acting.T, known]))
-    distinct, twins = _distinct([*(columns[parameter, joint] for parameter, joint in places), *tau])
+    # filters are slow, and some parameters act on joints alike: each signal is filtered once
+    distinct, twins = list[FloatArray](), []
+    alike: dict[bytes, list[int]] = {}
+    for signal in (*(columns[parameter, joint] for parameter, joint in places), *tau):
+        candidates = alike.setdefault(signal[:: 1 + len(signal) // 8].tobytes(), [])
+        twin = next((k for k in candidates if np.array_equal(distinct[k], signal)), len(distinct))
+        twins.append(twin)
+        if twin == len(distinct):
+            candidates.append(twin)
+            distinct.append(signal)
     filtered = parallel.among_zeros(distinct, rows, inside)
     out = np.zeros((*columns.shape[:2], len(rows)))
     for (parameter, joint), twin in zip(places, twins, strict=False):
@@ -235,21 +244,6 @@ def _take_out_reversals(
         table[act], table[-1] = taken[:-1], taken[-1]
         found.append((table, share))
     return found
-
-
-def _distinct(signals: Sequence[FloatArray]) -> tuple[list[FloatArray], list[int]]:
-    """Signals that differ, and which of them each one is: filters are slow, and some parameters act on joints alike."""
-    kept: list[FloatArray] = []
-    alike: dict[bytes, list[int]] = {}
-    twins = []
-    for signal in signals:
-        candidates = alike.setdefault(signal[:: 1 + len(signal) // 8].tobytes(), [])
-        twin = next((k for k in candidates if np.array_equal(kept[k], signal)), len(kept))
-        twins.append(twin)
-        if twin == len(kept):
-            candidates.append(twin)
-            kept.append(signal)
-    return kept, twins
 
 
 def decimation(independent_fraction: float, count: int) -> slice:

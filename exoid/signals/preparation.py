@@ -15,7 +15,7 @@ from exoid.errors import BadArgumentError, UnreadableInputError, nearest
 from exoid.tools.json_values import record
 
 from .differentiation import Accuracy, Kinematics, difference, motion_edge, smooth_motion
-from .filters.low_pass import TOLERANCE, design_frequency, zero_phase
+from .filters.low_pass import TOLERANCE, design_frequency, noise_bandwidth, zero_phase
 from .filters.parallel import ParallelFilter
 from .recording import Recording
 
@@ -181,7 +181,7 @@ class ZeroPhase(Preparation):
 
     def independent_fraction(self, rate: float) -> float:
         """Compute the noise bandwidth of the parallel filter over half the rate."""
-        return self.parallel(rate).independent_fraction
+        return noise_bandwidth(rate, self.cutoff)
 
 
 @dataclass(frozen=True)

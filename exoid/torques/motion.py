@@ -58,19 +58,18 @@ class Motion(NamedTuple):
         Returns:
             Their motion.
         """
-        torso = None if self.torso is None else _torso_rows(self.torso, len(self.q), rows)
+        torso = self.torso
+        if isinstance(torso, TorsoMotion):  # entries that have one value a sample
+            entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
+            for name, x in entries.items():
+                if x.ndim > (name == "hip_acceleration") and len(x) == len(self.q):
+                    entries[name] = x[rows]
+            torso = TorsoMotion(**entries)
+        elif torso is not None:
+            torso = torso.rows(rows)
         states = {key: state[rows] for key, state in self.states.items()}
         payload, measured = (None if x is None else x[rows] for x in (self.payload, self.measured))
         return Motion(self.q[rows], self.v[rows], self.a[rows], torso, states, payload, self.computed, measured)
-
-
-def _torso_rows(torso: MovingBase, count: int, rows: slice | NDArray[np.intp]) -> MovingBase:
-    """Rows of the entries that have one value a sample."""
-    if not isinstance(torso, TorsoMotion):
-        return torso.rows(rows)
-    entries = {field.name: np.asarray(getattr(torso, field.name), dtype=np.float64) for field in fields(torso)}
-    varies = {name: x.ndim > (name == "hip_acceleration") and len(x) == count for name, x in entries.items()}
-    return TorsoMotion(**{name: x[rows] if varies[name] else x for name, x in entries.items()})
 
 
 class JointMotion(NamedTuple):

@@ -60,21 +60,17 @@ def hysteresis(q: FloatArray, v: FloatArray, lengths: FloatArray) -> FloatArray:
     path = np.cumsum(np.abs(step)) / lengths[:, None]
     before = np.where(turns > 0, path[:, turns - 1], 0.0)
     directions = sign[turns]
-    decay = np.exp(before - np.hstack([before[:, 1:], path[:, -1:]]))
-    first = np.insert(_recurrence(decay, (1.0 - decay) * directions, start)[:, :-1], 0, start, axis=1)
-    s, first, before = (np.repeat(x, counts, axis=-1) for x in (directions, first, before))
-    z = s + (first - s) * np.exp(np.minimum(before - path, 0.0))
-    z[:, : turns[0]] = start
-    return np.asarray(z)
-
-
-def _recurrence(factor: FloatArray, x: FloatArray, start: float) -> FloatArray:
-    """x_k ← factor_k x_{k−1} + x_k from x_{−1} = ``start``, in place, by composing maps over 1, 2, 4, … places."""
+    factor = np.exp(before - np.hstack([before[:, 1:], path[:, -1:]]))
+    # z_k ← factor_k z_{k−1} + x_k from z_{−1} = start on, by composing maps over 1, 2, 4, … reversals
+    x, reach = (1.0 - factor) * directions, 1
     x[:, 0] += factor[:, 0] * start
     factor[:, 0] = 0.0
-    reach = 1
     while reach < x.shape[1] and factor[:, reach:].any():
         x[:, reach:] += factor[:, reach:] * x[:, :-reach].copy()
         factor[:, reach:] *= factor[:, :-reach].copy()
         reach *= 2
-    return x
+    first = np.insert(x[:, :-1], 0, start, axis=1)
+    s, first, before = (np.repeat(x, counts, axis=-1) for x in (directions, first, before))
+    z = s + (first - s) * np.exp(np.minimum(before - path, 0.0))
+    z[:, : turns[0]] = start
+    return np.asarray(z)

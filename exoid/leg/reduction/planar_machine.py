@@ -105,8 +105,12 @@ class PlanarMachine:
         if torso is None and self.floating:
             torso = TorsoSamples(*np.zeros((5, len(q))))
         for limb in self.limbs:
-            moved = None if torso is None else _at_hip(torso, limb.hip)
-            own = limb.joints
+            moved, own = torso, limb.joints
+            if torso is not None and limb.hip.any():  # the acceleration of this hip
+                turn = np.exp(1j * torso.pitch) * (torso.pitch_acceleration + 1j * torso.pitch_rate**2)
+                change = 1j * turn * complex(*limb.hip)
+                x, z = torso.hip_acceleration_x + change.real, torso.hip_acceleration_z + change.imag
+                moved = torso._replace(hip_acceleration_x=x, hip_acceleration_z=z)
             columns = out[first:][limb.parameters]
             force = columns[:, :2] if self.floating else None
             rows = columns[:, b:][:, own]
@@ -129,18 +133,6 @@ def _labels(names: list[list[str]]) -> list[str]:
     sides = [[side for side in SIDES if all(name.startswith(side) for name in limb)] for limb in names]
     labels = [side[0].removesuffix("_") if side else limb[0] for side, limb in zip(sides, names, strict=True)]
     return labels if len(set(labels)) == len(labels) else [limb[0] for limb in names]
-
-
-def _at_hip(torso: TorsoSamples, hip: FloatArray) -> TorsoSamples:
-    """Motion of the torso with the acceleration of another hip."""
-    if not hip.any():
-        return torso
-    turn = np.exp(1j * torso.pitch) * (torso.pitch_acceleration + 1j * torso.pitch_rate**2)
-    change = 1j * turn * complex(*hip)
-    return torso._replace(
-        hip_acceleration_x=torso.hip_acceleration_x + change.real,
-        hip_acceleration_z=torso.hip_acceleration_z + change.imag,
-    )
 
 
 def _fill_torso(torso: TorsoSamples, out: FloatArray) -> None:

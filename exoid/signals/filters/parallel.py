@@ -75,7 +75,13 @@ class ParallelFilter:
             if left_out is not None:
                 window[left_out] = 0.0
             np.matmul(padded, blocks.products, out=products[:, k])
-        filtered = blocks.joined(products)[lead : lead + wanted]
+        inside, modes = blocks.states.shape[1], len(blocks.decay)
+        own = np.ascontiguousarray(products[..., inside:]).view(np.complex128)
+        states = np.zeros_like(own)  # what the blocks before and after add
+        for mode, decay in enumerate(blocks.decay):
+            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
+            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
+        filtered = (products[..., :inside] + states.view(np.float64) @ blocks.states)[lead : lead + wanted]
         return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
 
 
@@ -90,16 +96,6 @@ class _Blocks(NamedTuple):
     products: FloatArray
     states: FloatArray  # what states add to the rows of a block, (4 m, M)
     decay: ComplexArray  # factor of a state from block to block, (m,)
-
-    def joined(self, products: FloatArray) -> FloatArray:
-        """Add what comes from other blocks."""
-        rows, modes = self.states.shape[1], len(self.decay)
-        own = np.ascontiguousarray(products[..., rows:]).view(np.complex128)
-        states = np.zeros_like(own)
-        for mode, decay in enumerate(self.decay):
-            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
-            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
-        return np.asarray(products[..., :rows] + states.view(np.float64) @ self.states)
 
 
 def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
