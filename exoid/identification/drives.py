@@ -87,7 +87,7 @@ def known_rotors(
         leg.joint_names[joint]
         for term in terms
         if type(term) is Armature
-        for joint in term.joint_indices(leg.joint_names, leg.joint_labels)
+        for (joint,) in term.places(leg.joint_names, leg.joint_labels).values()
     }
     rotors = {
         f"Ia_{labels[joint]}": drive.armature

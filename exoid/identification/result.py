@@ -110,11 +110,7 @@ class Result:
             warnings=(
                 *fitted.warnings,
                 *collinearity.warnings(problem.names),
-                *(
-                    ()
-                    if white
-                    else short_runs(found.noises, joints)
-                ),
+                *(() if white else short_runs(found.noises, joints)),
             ),
         )
 

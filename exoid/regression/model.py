@@ -50,10 +50,6 @@ class ColumnModel(Protocol):
     """What rows are formed with: columns of parameters, perhaps with others behind them."""
 
     @property
-    def row_joints(self) -> tuple[int, ...]:
-        """Joint of each row, (n,); −1 for a row of no joint."""
-
-    @property
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which joint, (n, P)."""
 
@@ -67,6 +63,10 @@ class RegressorModel(ColumnModel, Protocol):
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters, in the order of the columns, (P,)."""
+
+    @property
+    def row_joints(self) -> tuple[int, ...]:
+        """Joint of each row, (n,); −1 for a row of no joint."""
 
     @property
     def regrouped(self) -> Sequence[Regrouping]:

@@ -57,9 +57,10 @@ def fit_noise(problem: RowSource, fit: Fit, covariance: FloatArray) -> dict[tupl
         if part.kind.at_rest:
             found[:, 1:] = 0.0
         sums[part.kind, part.joint] = sums.get((part.kind, part.joint), 0.0) + found
-    noises = dict.fromkeys(sums, AutoregressiveNoise.none())
+    noises = {}
     for key, (products, pairs) in sums.items():
         if pairs[0] <= 0.0:
+            noises[key] = AutoregressiveNoise.none()
             continue
         # Lags up to N/10 count, and up to the first without a pair, which short recordings or segments do not have.
         samples, run = pairs[0], int(np.argmin(np.append(pairs, 0.0) > 0.0))

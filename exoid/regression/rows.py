@@ -45,6 +45,7 @@ class Prepared(NamedTuple):
     # torque or payload
     tau: FloatArray
     usable: NDArray[np.bool_]  # mask of samples of each joint that may be fitted, (N, n)
+    row_joints: tuple[int, ...]  # joint of each row of the equation, (n,); −1 for a row of no joint
     rows: range  # samples that become rows, evenly spaced, from the first to the last that counts
     # mask of samples that count: not affected by the ends of the record, and in its segments, (N,)
     inside: NDArray[np.bool_]
@@ -86,7 +87,7 @@ def prepare(
         tau = data.tau if motion.payload is None else data.tau - motion.payload
         usable = np.ones(tau.shape, dtype=np.bool_)
         time = np.arange(count, dtype=np.float64)
-        return Prepared(time, motion, tau, usable, range(count), usable[:, 0], known=motion.payload)
+        return Prepared(time, motion, tau, usable, model.row_joints, range(count), usable[:, 0], known=motion.payload)
     recording = data.resampled()
     if recording.tau is None:
         raise _without_torque(recording)
@@ -129,6 +130,7 @@ def prepare(
         motion,
         tau if motion.payload is None else tau - motion.payload,
         model.usable(v) & counting,
+        model.row_joints,
         rows[(len(rows) - 1) % stride // 2 :: stride],
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
@@ -189,7 +191,7 @@ def form_rows(model: ColumnModel, prepared: Prepared, stretch: range) -> Rows:
         tau = tau - columns[count:].sum(axis=0).T
     rows = slice(stretch.start, stretch.stop, stretch.step)
     # angle and velocity of the joint of each row; zero for a row of no joint
-    q, v, of_rows = prepared.motion.q[rows], prepared.motion.v[rows], np.array(model.row_joints)
+    q, v, of_rows = prepared.motion.q[rows], prepared.motion.v[rows], np.array(prepared.row_joints)
     if not np.array_equal(of_rows, np.arange(q.shape[1])):
         q, v = (np.where(of_rows < 0, 0.0, values[:, of_rows]) for values in (q, v))
     usable = prepared.usable[rows]

@@ -60,7 +60,7 @@ class CoordinateTerm(Term):
 
     def places(self, names: Sequence[str], labels: Sequence[str]) -> dict[str, tuple[int, ...]]:
         """Find its joints among those of a leg; parameters have the name of the coordinate, or of its joints."""
-        self.joint_indices(names, labels)
+        super().places(names, labels)  # refuses joints that the leg does not have
         places = tuple((names if joint in names else labels).index(joint) for joint in self.joints or ())
         if len(set(places)) < len(places):
             raise BadArgumentError(f"{type(self).__name__} names a joint twice: {', '.join(self.joints or ())}")

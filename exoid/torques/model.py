@@ -122,11 +122,6 @@ class TorqueModel:
             del units[regrouped.name]
         return tuple(units.values())
 
-    @property
-    def loaded(self) -> bool:
-        """Whether a term depends on the rigid-body torque, so that W depends on :attr:`rigid`."""
-        return any(block.term.loaded for block in self.blocks)
-
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Which parameters can act on which row, (n, P) or (b + n, P); columns are zero elsewhere."""
@@ -189,7 +184,8 @@ class TorqueModel:
         Returns:
             The model with that load; the same model if no term depends on it.
         """
-        return replace(self, rigid=values[: len(self.leg.parameter_names)]) if self.loaded else self
+        loaded = any(block.term.loaded for block in self.blocks)
+        return replace(self, rigid=values[: len(self.leg.parameter_names)]) if loaded else self
 
     def own_parameters(self, joint: int) -> tuple[str, ...]:
         """List the parameters that are excited only if a given joint moves.

@@ -121,7 +121,15 @@ class Term(ABC):
         Raises:
             ExoidError: A joint is missing.
         """
-        return {labels[joint]: (joint,) for joint in self.joint_indices(names, labels)}
+        known = {**dict(zip(labels, range(len(labels)), strict=True)), **{n: i for i, n in enumerate(names)}}
+        missing = [joint for joint in self.joints or () if joint not in known]
+        if missing:
+            raise BadArgumentError(
+                f"{type(self).__name__} acts on {', '.join(missing)}, which the leg does not have",
+                remedy=f"its joints are {', '.join(names)}",
+            )
+        chosen = range(len(names)) if self.joints is None else sorted({known[joint] for joint in self.joints})
+        return {labels[joint]: (joint,) for joint in chosen}
 
     def fill_block(self, motion: LoadedMotion, joints: tuple[int, ...], out: FloatArray) -> None:
         """Write the columns of one set of parameters.
@@ -134,30 +142,6 @@ class Term(ABC):
         (j,), kind = joints, self.internal_state
         state = None if kind is None else motion.states[j, kind]
         self.fill(JointMotion(motion.q[j], motion.v[j], motion.a[j], motion.load[j], state), out[:, 0])
-
-    def joint_indices(self, names: Sequence[str], labels: Sequence[str]) -> tuple[int, ...]:
-        """Find the joints it acts on among those of a leg.
-
-        Args:
-            names: Joints of the leg, (n,).
-            labels: Joint names as they occur in parameter names, (n,).
-
-        Returns:
-            Indices of the joints, in ascending order.
-
-        Raises:
-            ExoidError: A joint is missing.
-        """
-        if self.joints is None:
-            return tuple(range(len(names)))
-        known = {**dict(zip(labels, range(len(labels)), strict=True)), **{n: i for i, n in enumerate(names)}}
-        missing = [joint for joint in self.joints if joint not in known]
-        if missing:
-            raise BadArgumentError(
-                f"{type(self).__name__} acts on {', '.join(missing)}, which the leg does not have",
-                remedy=f"its joints are {', '.join(names)}",
-            )
-        return tuple(sorted({known[joint] for joint in self.joints}))
 
 
 class TermBlock(NamedTuple):

@@ -39,11 +39,6 @@ class WithColumns:
     model: TorqueModel  # the torque model, with P parameters
     extras: tuple[ExtraColumns, ...]  # the other columns, K in all
 
-    @property
-    def row_joints(self) -> tuple[int, ...]:
-        """Joint of each row, (n,)."""
-        return self.model.row_joints
-
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint, (n, P + K)."""

@@ -14,12 +14,11 @@ which needs no lengths.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import ArrayLike
 from exoid.leg.leg import Leg
 
 from .lift import fitting, lift
@@ -67,16 +66,11 @@ def check_physical(leg: Leg, values: ArrayLike) -> PhysicalCheck:
         (True, False)
     """
     array = fitting(leg, values)
-    if leg.chain is not None:
-        return PhysicalCheck(tuple(_planar_faults(leg, array.reshape(-1, 3)))[::-1])
-    feasible = lift(leg, array).feasible
-    return PhysicalCheck(() if feasible else ("no links with positive mass density have these base parameters",))
-
-
-def _planar_faults(leg: Leg, segments: FloatArray) -> Iterator[str]:
-    """Reasons why segments (X, Y, J) are not possible, from the foot upwards."""
-    assert leg.chain is not None
-    n, least = len(segments), 0.0  # of the mass of all segments below
+    if leg.chain is None:
+        feasible = lift(leg, array).feasible
+        return PhysicalCheck(() if feasible else ("no links with positive mass density have these base parameters",))
+    segments, reasons, least = array.reshape(-1, 3), list[str](), 0.0  # lightest mass of all segments below
+    n = len(segments)
     for k in range(n - 1, -1, -1):
         X, Y, J = segments[k].tolist()
         link, cumulative = leg.link_labels[k], leg.cumulative and k < n - 1
@@ -84,11 +78,12 @@ def _planar_faults(leg: Leg, segments: FloatArray) -> Iterator[str]:
         h, d = np.array([Y, -X]), leg.chain.offsets[k] if k < n - 1 else np.zeros(2)
         free = j - least * float(d @ d)
         if j <= 0.0:
-            yield f"{link}: {name} = {j:.3g} kg·m² is not positive"
+            reasons.append(f"{link}: {name} = {j:.3g} kg·m² is not positive")
         elif free <= 0.0:
-            yield f"{link}: {least:.3g} kg below it are too much for {name} = {j:.3g} kg·m²"
+            reasons.append(f"{link}: {least:.3g} kg below it are too much for {name} = {j:.3g} kg·m²")
         least = (float(h @ h) + least * (j - 2.0 * float(h @ d))) / free if min(j, free) > 0.0 else 0.0
         own_X, own_Y, _ = leg.parameters.reshape(-1, 3)[k]
         if h @ np.array([own_Y, -own_X]) <= 0.0:
             where = f"X{k + 1} = {X:.3g}, Y{k + 1} = {Y:.3g} kg·m"
-            yield f"{link}: its centre of mass is on the wrong side of its joint ({where})"
+            reasons.append(f"{link}: its centre of mass is on the wrong side of its joint ({where})")
+    return PhysicalCheck(tuple(reversed(reasons)))

@@ -111,9 +111,18 @@ def _clusters(
     """Go over clusters of pulses, and the rows that they reach, piece by piece, but for pieces with too many."""
     reach = len(_impulse_response(parallel)) // 2
     pulses = pulses[slice(*np.searchsorted(pulses, [rows.start - reach, rows.stop + reach]))]
+    # Rows are cut into pieces of half to one and a half times a size, as far from pulses as possible: a pulse near a
+    # cut is fitted in both pieces, which takes out more than is unknown.
+    k = np.arange(rows.start, rows.stop, rows.step)
+    after = np.searchsorted(pulses, k)
+    around = np.concatenate([[-np.inf], pulses, [np.inf]])
+    distance, cuts = np.minimum(k - around[after], around[after + 1] - k), [0]
+    while len(k) - cuts[-1] > 3 * size // 2:
+        earliest = cuts[-1] + max(1, size // 2)
+        cuts.append(earliest + int(np.argmax(distance[earliest : cuts[-1] + 3 * size // 2])))
     # Where pulses would take more than this share of the independent samples of a piece, its rows stay
     places, most = pulses.tolist(), 0.7 * min(1.0, parallel.independent_fraction * rows.step)
-    for start, stop in pairwise(_cuts(rows, pulses, size)):
+    for start, stop in pairwise([*cuts, len(k)]):
         near = places[bisect_left(places, rows[start] - reach) : bisect_right(places, rows[stop - 1] + reach)]
         if not 0 < len(near) <= most * (stop - start):
             continue
@@ -139,20 +148,6 @@ def _bases(
         inside = np.arange((stop - start).max()) < stop - start
         B = responses[phase, later + responses.shape[1] // 2, : inside.shape[1]].transpose(0, 2, 1)
         yield alike, np.linalg.qr(B * inside[..., np.newaxis]).Q * inside[..., np.newaxis]
-
-
-def _cuts(rows: range, pulses: NDArray[np.intp], size: int) -> list[int]:
-    """Cut rows into pieces of half to one and a half times a size, as far from pulses as possible."""
-    # A pulse near a cut is fitted in both pieces, which takes out more than is unknown.
-    k = np.arange(rows.start, rows.stop, rows.step)
-    after = np.searchsorted(pulses, k)
-    around = np.concatenate([[-np.inf], pulses, [np.inf]])
-    distance = np.minimum(k - around[after], around[after + 1] - k)
-    cuts = [0]
-    while len(k) - cuts[-1] > 3 * size // 2:
-        first = cuts[-1] + max(1, size // 2)
-        cuts.append(first + int(np.argmax(distance[first : cuts[-1] + 3 * size // 2])))
-    return [*cuts, len(k)]
 
 
 @lru_cache(maxsize=4)
