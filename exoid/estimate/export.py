@@ -122,7 +122,11 @@ def export_urdf(
     before = read_inertials(leg.description)
     masses = tuple(MassChange(name, float(before[name][0]), float(pi[0])) for name, pi in links.items())
     refuse_mass_changes(masses, mass_factor, leg.description.name)
-    values = estimate.values if lifted.feasible else _moved_along(estimate, lifted.values)
+    values = estimate.values.copy()
+    if not lifted.feasible:  # the other parameters follow, to the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)
+        pull_of_bodies = scaled_inverse(estimate.covariance[:p, :p]) @ (lifted.values - values[:p])
+        values[p:] += estimate.covariance[p:, :p] @ pull_of_bodies
+        values[:p] = lifted.values
     dynamics: dict[str, dict[str, float]] = {}
     places, value_of = places_of(estimate.model, PLACES), dict(zip(estimate.names, values.tolist(), strict=True))
     present = {name: place for name, place in places.items() if name in value_of}
@@ -137,16 +141,6 @@ def export_urdf(
     text = rewrite(leg.description, links, dynamics, note)
     write_whole(path, [text])
     return Export(Path(path), estimate, lifted, values, masses, negative)
-
-
-def _moved_along(estimate: EstimateData, rigid: FloatArray) -> FloatArray:
-    """All values, given those of the rigid bodies: the others at the minimum of (β − β̂)ᵀ C⁻¹ (β − β̂)."""
-    p = len(rigid)
-    values = estimate.values.copy()
-    pull = scaled_inverse(estimate.covariance[:p, :p]) @ (rigid - values[:p])
-    values[p:] += estimate.covariance[p:, :p] @ pull
-    values[:p] = rigid
-    return values
 
 
 def places_of(model: TorqueModel, places: Mapping[tuple[type[Term], str], str]) -> dict[str, tuple[int, str]]:

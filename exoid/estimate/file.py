@@ -59,7 +59,7 @@ def read_estimate(path: str | os.PathLike[str], kind: type[E]) -> E:
 
 def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
     """Turn an estimate into what JSON can hold, values by name."""
-    model, leg = estimate.model, estimate.model.leg
+    model, leg, nonlinear = estimate.model, estimate.model.leg, estimate.nonlinear
     return {
         "schema": SCHEMA,
         **numbers_to_json(estimate, estimate.interval()),
@@ -83,7 +83,13 @@ def estimate_to_json(estimate: EstimateData) -> dict[str, Any]:
             for source in estimate.inputs
         ],
         **({"columns": dict(estimate.columns)} if estimate.columns else {}),
-        "shapes": _shapes_to_json(estimate.nonlinear, estimate.dof) if len(estimate.nonlinear) else {},
+        "shapes": {
+            **numbers_to_json(nonlinear, nonlinear.interval(estimate.dof)),
+            "held": list(nonlinear.held),
+            "covariance": nonlinear.covariance.tolist(),
+        }
+        if nonlinear.names
+        else {},
         "terms": [TERMS.to_json(term) for term in model.terms],
         "leg": {
             "name": leg.description.name,
@@ -148,14 +154,6 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         columns=data.get("columns", {}),
         evidence=record(Evidence, {field.name: data["evidence"][field.name] for field in fields(Evidence)}),
     )
-
-
-def _shapes_to_json(nonlinear: NonlinearParameters, dof: float) -> dict[str, Any]:
-    return {
-        **numbers_to_json(nonlinear, nonlinear.interval(dof)),
-        "held": list(nonlinear.held),
-        "covariance": nonlinear.covariance.tolist(),
-    }
 
 
 def _shapes(data: Mapping[str, Any]) -> NonlinearParameters:

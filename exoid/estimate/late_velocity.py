@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,12 +12,6 @@ from exoid.signals import Recording, ZeroPhase
 from exoid.signals.differentiation import difference
 
 from .finding import Finding, Severity
-
-
-def without_late_velocity(recording: Recording) -> tuple[Recording, list[Finding]]:
-    """Leave out logged velocities that are late or out of scale, and say so: the derivative of the angles is not."""
-    found = list(late_velocities(recording))
-    return (replace(recording, v=None, a=None) if found else recording), found
 
 
 def late_velocities(recording: Recording) -> Iterator[Finding]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,10 +10,8 @@ from typing import Any
 
 from lxml import etree
 
-from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.description import LARGEST_NUMBER
-from exoid.leg.leg import Leg
 from exoid.leg.lift.lift import PULL
 from exoid.leg.lift.lumping import MASS_FACTOR
 from exoid.tools.extras import require_mujoco
@@ -112,9 +109,11 @@ def export_mjcf(
             motor.set_to_motor()
             if 0.0 < effort < LARGEST_NUMBER:
                 motor.ctrlrange, motor.ctrllimited = [-effort, effort], mujoco.mjtLimited.mjLIMITED_TRUE
-        for name, ends in _loop_points(leg):
-            for side, (body, place) in zip("12", ends, strict=True):
-                (spec.body(body) if body else spec.worldbody).add_site(name=f"{name} {side}", pos=place)
+        links = [leg.description.child_links[joint] for joint in leg.tree_joint_names]
+        for k, pair in enumerate(leg.closure.pairs if leg.closure else ()):  # points that closed loops hold together
+            name = f"{pair.loop.name} {k + 1}"
+            for side, body, place in zip("12", pair.bodies, pair.places, strict=True):
+                (spec.worldbody if body < 0 else spec.body(links[body])).add_site(name=f"{name} {side}", pos=place)
             connect, site = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtObj.mjOBJ_SITE
             held = spec.add_equality(type=connect, objtype=site, name=name, name1=f"{name} 1", name2=f"{name} 2")
             held.solref, held.solimp = STIFF
@@ -136,10 +135,3 @@ def export_mjcf(
     left_out = tuple(name for name in estimate.names[len(leg.parameter_names) :] if name not in places)
     negative = tuple(name for name in places if value_of[name] < 0.0)
     return MjcfExport(Path(path), export, negative, left_out)
-
-
-def _loop_points(leg: Leg) -> Iterator[tuple[str, list[tuple[str, FloatArray]]]]:
-    """Points that closed loops hold together: a name, and link and place of both ends; "" for the root link."""
-    links = ["", *(leg.description.child_links[joint] for joint in leg.tree_joint_names)]
-    for k, pair in enumerate(leg.closure.pairs if leg.closure else ()):
-        yield f"{pair.loop.name} {k + 1}", [(links[b + 1], x) for b, x in zip(pair.bodies, pair.places, strict=True)]

@@ -122,22 +122,16 @@ def _closing_lines(estimate: EstimateData) -> Iterator[str]:
     names = ", ".join(source.label for source in estimate.inputs)
     samples = sum(source.samples for source in estimate.inputs)
     counted = f" ({samples} samples)" if samples else ""
-    yield f"from {names}{counted}; {_preparation(estimate)}"
+    used, source = estimate.preparation, estimate.evidence.cutoff_source
+    how = f" ({source})" if source else ""
+    cutoff = f", cut-off {used.cutoff:.4g} Hz{how}" if isinstance(used, ZeroPhase) else ""
+    yield f"from {names}{counted}; {used.name} preparation{cutoff}"
     if estimate.actuators is not None:
         yield f"torque computed of drives: {'; '.join(describe_actuators(estimate.actuators))}"
     yield from assumptions(estimate.prior_knowledge, estimate.bounded)
     yield from map(str, estimate.findings)
     yield from (f"warning: {warning}" for warning in estimate.warnings)
     yield from (f"note: {regrouped}" for regrouped in estimate.regrouped)
-
-
-def _preparation(estimate: EstimateData) -> str:
-    """Name the preparation, with the cut-off of the torques and how it was chosen."""
-    used = estimate.preparation
-    if not isinstance(used, ZeroPhase):
-        return f"{used.name} preparation"
-    how = f" ({estimate.evidence.cutoff_source})" if estimate.evidence.cutoff_source else ""
-    return f"{used.name} preparation, cut-off {used.cutoff:.4g} Hz{how}"
 
 
 def condition(number: float) -> str:

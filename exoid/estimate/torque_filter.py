@@ -28,27 +28,6 @@ class TorqueFilter(NamedTuple):
     chosen: str
     comparable: bool = True
 
-    @classmethod
-    def of(cls, estimate: EstimateData, cutoff: float | None) -> TorqueFilter:
-        """Choose the filter of a validation.
-
-        Args:
-            estimate: The estimate.
-            cutoff: Cut-off frequency that was given [Hz]; None for none.
-
-        Returns:
-            The low-pass of the cut-off, or the estimate's own preparation.
-
-        Raises:
-            ExoidError: The cut-off is not positive.
-        """
-        own = estimate.preparation
-        where = f", {estimate.evidence.cutoff_source}" if estimate.evidence.cutoff_source else ""
-        chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
-        if cutoff is None:
-            return cls(own, "of the estimate", chosen)
-        return cls(ZeroPhase(cutoff), "given", chosen, isinstance(own, ZeroPhase))
-
     @property
     def cutoff(self) -> float | None:
         """Cut-off frequency of the torques [Hz]; None for a preparation without one."""
@@ -69,8 +48,9 @@ def to_predict(
     estimate: EstimateData,
     recordings: Recording | Iterable[Recording],
     actuators: Mapping[str, Drive | Coupling] | Actuators | None,
-) -> tuple[EstimateData, list[Recording]]:
-    """Check the recordings whose torques an estimate shall predict, and let their drives be those of the estimate."""
+    cutoff: float | None,
+) -> tuple[EstimateData, list[Recording], TorqueFilter]:
+    """Check the recordings whose torques an estimate shall predict, give it their drives, and choose the filter."""
     several = [recordings] if isinstance(recordings, Recording) else list(recordings)
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:
@@ -78,4 +58,9 @@ def to_predict(
         raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
     if actuators is not None:
         estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
-    return estimate, several
+    own = estimate.preparation
+    where = f", {estimate.evidence.cutoff_source}" if estimate.evidence.cutoff_source else ""
+    chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
+    if cutoff is None:
+        return estimate, several, TorqueFilter(own, "of the estimate", chosen)
+    return estimate, several, TorqueFilter(ZeroPhase(cutoff), "given", chosen, isinstance(own, ZeroPhase))

@@ -23,7 +23,6 @@ from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
 from .ground_validation import LEVEL, Compared, compare_on_ground, wrench_variance
-from .late_velocity import without_late_velocity
 from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
     as_trained,
@@ -31,7 +30,6 @@ from .validation_checks import (
     late_torques,
     narrow_bands,
     poor_predictions,
-    shifted_torques,
     unmeasured_torques,
     wide_bands,
 )
@@ -217,8 +215,7 @@ def validate(
         >>> validation.verdict
         'predicts'
     """
-    estimate, several = to_predict(estimate, recordings, actuators)
-    chosen = TorqueFilter.of(estimate, cutoff)
+    estimate, several, chosen = to_predict(estimate, recordings, actuators, cutoff)
     parts = tuple(_validate_one(estimate, each, chosen) for each in several)
     if len(parts) == 1:
         return parts[0]
@@ -234,7 +231,7 @@ def validate(
 
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
     """Predict the torque of one recording, block by block."""
-    recording, found = without_late_velocity(as_trained(estimate, recording))
+    recording, found = as_trained(estimate, recording)
     data, preparation = estimate.model.select(recording), chosen.preparation
     rate, ranges = data.sample_rate, None
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
@@ -270,7 +267,6 @@ def _findings(
 ) -> Iterator[Finding]:
     """Judge the prediction of one recording; ranges of its motion are None on the ground."""
     preparation, residual_rms = alone.filter.preparation, alone.rmse
-    yield from shifted_torques(estimate)
     if ranges is not None:
         yield from extrapolations(estimate, ranges)
     growth = np.ones_like(residual_rms)

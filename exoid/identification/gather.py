@@ -11,7 +11,7 @@ import numpy as np
 from exoid.actuators import Actuators, motor_terms
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, NotSupportedError, within
-from exoid.estimate.late_velocity import without_late_velocity
+from exoid.estimate.late_velocity import late_velocities
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
@@ -132,7 +132,8 @@ def without_late_velocities(group: Group) -> Group:
     findings, data = list(group.findings), list(group.data)
     for k, one in enumerate(data):
         if isinstance(one, Recording):
-            data[k], found = without_late_velocity(one)
+            found = list(late_velocities(one))
+            data[k] = replace(one, v=None, a=None) if found else one
             findings += [replace(each, recording=one.file_name if len(data) > 1 else "") for each in found]
     return replace(group, data=tuple(data), findings=tuple(findings))
 

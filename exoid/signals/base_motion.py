@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.reduction.planar import GRAVITY
 
 from . import checks, timebase
-from .base_pose import BasePose, continuous, refuse_unfit_poses, twice_imaginary
+from .base_pose import POSE_COLUMNS, BasePose, continuous, refuse_jumps, twice_imaginary
 from .differentiation import difference, smooth_motion
 from .timebase import Sampled
 
@@ -153,7 +153,17 @@ class BaseMotion(Sampled):
         """
         stamps, points = checks.as_numbers(time, "time"), checks.as_numbers(position, "position of the base")
         turns = checks.as_numbers(quaternion, "quaternion")
-        refuse_unfit_poses(stamps, points, turns)
+        checks.refuse_shape(stamps, (stamps.size,), "time")
+        checks.refuse_shape(points, (stamps.size, 3), "position of the base")
+        checks.refuse_shape(turns, (stamps.size, 4), "quaternion")
+        checks.refuse_too_few(stamps.size)
+        checks.refuse_not_finite(np.column_stack([stamps, points, turns]), ("time", *POSE_COLUMNS))
+        checks.refuse_time_disorder(stamps)
+        if not timebase.is_uniform(stamps):
+            raise BadArgumentError(
+                "time stamps of the poses are uneven", remedy="resample the poses, as motion capture does"
+            )
+        refuse_jumps(stamps, points, continuous(turns))
         rate = timebase.sampling_rate(stamps)
         place, h = np.hsplit(smooth_motion(np.hstack([points, continuous(turns)]), rate, cutoff), [3])
         h = h / np.linalg.norm(h, axis=1, keepdims=True)

@@ -12,7 +12,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 
-from . import checks, timebase
+from . import checks
 from .timebase import Sampled
 
 POSE_COLUMNS = ("base_x", "base_y", "base_z", "base_qx", "base_qy", "base_qz", "base_qw")
@@ -94,21 +94,6 @@ def continuous(quaternion: FloatArray) -> FloatArray:
     flips = np.sum(unit[1:] * unit[:-1], axis=1) < 0.0
     signs = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
     return np.asarray(unit * signs[:, np.newaxis])
-
-
-def refuse_unfit_poses(time: FloatArray, position: FloatArray, quaternion: FloatArray) -> None:
-    """Refuse poses that cannot be differentiated."""
-    checks.refuse_shape(time, (time.size,), "time")
-    checks.refuse_shape(position, (time.size, 3), "position of the base")
-    checks.refuse_shape(quaternion, (time.size, 4), "quaternion")
-    checks.refuse_too_few(time.size)
-    checks.refuse_not_finite(np.column_stack([time, position, quaternion]), ("time", *POSE_COLUMNS))
-    checks.refuse_time_disorder(time)
-    if not timebase.is_uniform(time):
-        raise BadArgumentError(
-            "time stamps of the poses are uneven", remedy="resample the poses, as motion capture does"
-        )
-    refuse_jumps(time, position, continuous(quaternion))
 
 
 def refuse_jumps(time: FloatArray, position: FloatArray, quaternion: FloatArray) -> None:

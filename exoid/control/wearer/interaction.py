@@ -14,13 +14,11 @@ from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.finding import Finding, ordered
-from exoid.estimate.late_velocity import without_late_velocity
 from exoid.estimate.torque_filter import to_predict
 from exoid.estimate.validation_checks import (
     as_trained,
     effective_share,
     extrapolations,
-    shifted_torques,
     unmeasured_torques,
 )
 from exoid.identification.findings.channels import channel_findings
@@ -262,9 +260,8 @@ def interaction(
         >>> found.worn
         False
     """
-    estimate, (recording,) = to_predict(estimate, [recording], actuators)
-    chosen = TorqueFilter.of(estimate, cutoff)
-    recording, late = without_late_velocity(as_trained(estimate, recording))
+    estimate, (recording,), chosen = to_predict(estimate, [recording], actuators, cutoff)
+    recording, changed = as_trained(estimate, recording)
     recording = estimate.model.select(recording)
     name, measured = recording.file_name, recording.measured
     even, preparation = recording.resampled(), chosen.preparation
@@ -278,9 +275,8 @@ def interaction(
     actions = judge(evidence)
     phase = find_phase(even, strides)
     findings = [
-        *shifted_torques(estimate),
         *channel_findings(recording),
-        *late,
+        *changed,
         *([] if found.ranges is None else extrapolations(estimate, found.ranges)),
         *unmeasured_torques(estimate, measured),
         *too_few_samples(estimate, evidence),

@@ -176,17 +176,12 @@ def approach(
         mu = max(mu / 10.0, pull)
         U = problem.minimise(U, Misfit(metric, target, mu, None if pull else heaviest))
         chi_squared = _chi_squared(problem, target, metric, U)
-    return Bodies(_thick(U), _divergence(U))
-
-
-def _thick(U: FloatArray) -> FloatArray:
-    """π̃ of the bodies U Uᵀ, (10 n,), of which those that are too thin get a share of the prior's inertia."""
+    # Smallest eigenvalue of P̃ of an infeasible estimate's body over its largest: thinner ones are lost to
+    # rounding, and get a share of the prior's inertia
     P = U @ U.transpose(0, 2, 1)
     eigenvalues = np.linalg.eigvalsh(P)
-    # Smallest eigenvalue of P̃ of an infeasible estimate's body over its largest: thinner ones are lost to
-    # rounding
     lacking = np.maximum(1e-10 * eigenvalues[:, -1] - eigenvalues[:, 0], 0.0)
-    return link_parameters(P + lacking[:, None, None] * np.eye(4))
+    return Bodies(link_parameters(P + lacking[:, None, None] * np.eye(4)), _divergence(U))
 
 
 def _chi_squared(problem: Problem, target: FloatArray, metric: FloatArray, U: FloatArray) -> float:
