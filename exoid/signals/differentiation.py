@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
 
-from .filters.low_pass import TOLERANCE, both_passes, edge_length, pass_sections, refuse_short
+from .filters.low_pass import TOLERANCE, both_passes, edge_length
 
 Order = Literal[1, 2]
 Accuracy = Literal[2, 4]
@@ -63,9 +63,7 @@ def smooth_motion(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
     # less than `motion_edge` from an end should not be used.
     pad = edge_length(rate, cutoff, tolerance=1e-8)
     window = max(12, round(2.0 * rate / cutoff))
-    refuse_short(x, rate, cutoff, window - 1)
-    continued = partial(_continue, weights=_continuation(window, pad))
-    return both_passes(x, pass_sections(rate, cutoff), pad, continued)
+    return both_passes(x, rate, cutoff, pad, weights=_continuation(window, pad))
 
 
 def motion_edge(rate: float, cutoff: float) -> int:
@@ -94,15 +92,6 @@ def motion_edge(rate: float, cutoff: float) -> int:
     if rate < 4.0 * cutoff:
         return edge_length(rate, cutoff, tolerance=TOLERANCE if rate > 3.0 * cutoff else 1e-6)
     return max(6, math.ceil(rate / cutoff))
-
-
-def _continue(signals: FloatArray, weights: FloatArray) -> FloatArray:
-    """Signals (K, N) with polynomials beyond both ends, of which ``weights`` gives those before the first sample."""
-    window = weights.shape[1]
-    first, last = signals[:, :1], signals[:, -1:]  # relative to them, rounding errors of large angles do not grow
-    before = first + (signals[:, :window] - first) @ weights.T
-    after = last + (signals[:, : -window - 1 : -1] - last) @ weights.T
-    return np.concatenate([before, signals, after[:, ::-1]], axis=1)
 
 
 @lru_cache(maxsize=16)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -17,9 +16,6 @@ TOLERANCE = 1e-3
 
 ORDER = 4
 """Order of one pass of the filters of motions and torques."""
-
-Extension = Callable[[FloatArray], FloatArray]
-"""Continuation of signals (K, N) beyond both ends."""
 
 
 def zero_phase(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
@@ -46,41 +42,44 @@ def zero_phase(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
         ExoidError: The cut-off is not between 0 and half the rate, or the record is not longer than
             `edge_length` samples.
     """
-    pad = edge_length(rate, cutoff)
-    refuse_short(x, rate, cutoff, pad)
-    return both_passes(x, pass_sections(rate, cutoff), pad)
+    return both_passes(x, rate, cutoff, edge_length(rate, cutoff))
 
 
 def slow_part(x: FloatArray, rate: float, cutoff: float) -> FloatArray:
     """Low-pass of order 2 for checks, also of records that are shorter than what their ends distort."""
     if 0.32 * rate <= cutoff:  # hardly anything in the record is faster
         return x
-    pad = min(edge_length(rate, cutoff, 2), len(x) - 1)
-    return both_passes(x, pass_sections(rate, cutoff, 2), pad)
+    return both_passes(x, rate, cutoff, min(edge_length(rate, cutoff, 2), len(x) - 1), order=2)
 
 
-def refuse_short(x: FloatArray, rate: float, cutoff: float, most: int) -> None:
-    """Refuse a record of no more than so many samples."""
+def both_passes(
+    x: FloatArray, rate: float, cutoff: float, pad: int, *, order: int = ORDER, weights: FloatArray | None = None
+) -> FloatArray:
+    """Filter forwards and backwards, with signals continued beyond both ends by ``pad`` samples."""
+    # They are continued by point reflection, or by polynomials, of which weights (pad, window) give the samples before
+    # the first one from a window of samples behind it.
+    most = pad if weights is None else weights.shape[1] - 1
     if len(x) <= most:
         raise UnreadableInputError(
             f"{len(x)} samples ({len(x) / rate:.4g} s) are too few for a cut-off of {cutoff:.4g} Hz: "
             f"more than {most} ({most / rate:.4g} s) are needed",
             remedy="record longer or choose a higher cut-off",
         )
-
-
-def both_passes(x: FloatArray, sections: FloatArray, pad: int, extend: Extension | None = None) -> FloatArray:
-    """Filter forwards and backwards, with signals continued beyond both ends, by point reflection unless told how."""
-    if extend is None:
-        extend = partial(np.pad, pad_width=((0, 0), (pad, pad)), mode="reflect", reflect_type="odd")
-    sections = sections.copy()  # SciPy wants to be able to write into it
+    sections = pass_sections(rate, cutoff, order).copy()  # SciPy wants to be able to write into it
     signals = x.reshape(len(x), -1).T
     out = np.empty(signals.shape)
     width = max(1, 2**19 // (8 * len(x)))  # signals of half a MB at once, which keeps temporaries small
-    for first in range(0, len(signals), width):
-        rows = slice(first, first + width)
-        filtered = scipy.signal.sosfiltfilt(sections, extend(signals[rows]), padtype=None, padlen=0)
-        out[rows] = filtered[:, pad:-pad]
+    for start in range(0, len(signals), width):
+        rows = slice(start, start + width)
+        part = signals[rows]
+        if weights is None:
+            part = np.pad(part, ((0, 0), (pad, pad)), mode="reflect", reflect_type="odd")
+        else:
+            first, last = part[:, :1], part[:, -1:]  # relative to them, rounding errors of large angles do not grow
+            before = first + (part[:, : most + 1] - first) @ weights.T
+            after = last + (part[:, : -most - 2 : -1] - last) @ weights.T
+            part = np.concatenate([before, part, after[:, ::-1]], axis=1)
+        out[rows] = scipy.signal.sosfiltfilt(sections, part, padtype=None, padlen=0)[:, pad:-pad]
     return out.T.reshape(x.shape)
 
 
