@@ -5,7 +5,8 @@
     python scripts/golden.py --list                         # names of the journeys; -k TEXT chooses some
 
 A journey is a function that returns whatever it computed. Arrays are reduced to a fingerprint: some entries, sum and
-norm. Texts that are written, such as C, are compared to the letter. A journey that raises stores the kind of its error.
+norm. Words of texts that are written, such as C, are compared to the letter, and their numbers as others. A journey
+that raises stores the kind of its error.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import hashlib
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -76,7 +78,17 @@ def command(*words: str, files: Sequence[str] = ()) -> Any:  # noqa: ANN401 - JS
     text = out.getvalue()
     found: dict[str, Any] = {"code": code}
     found["json"] = json.loads(text) if "--json" in words else None
-    return found | {file: hashlib.sha256(Path(file).read_bytes()).hexdigest() for file in files}
+    return found | {file: written(Path(file)) for file in files}
+
+
+def written(path: Path) -> dict[str, Any]:
+    """Words of a text to the letter, and its decimal numbers, whose last digits differ from processor to processor."""
+    number, text = (
+        re.compile(r"(?<![\w.])-?(?:\d+\.\d*|\.\d+|\d+(?=[eE][-+]?\d))(?:[eE][-+]?\d+)?"),
+        path.read_text("utf-8"),
+    )
+    words = hashlib.sha256(number.sub("#", text).encode()).hexdigest()
+    return {"words": words, "numbers": np.array([float(x) for x in number.findall(text)])}
 
 
 @cache
