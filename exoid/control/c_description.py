@@ -51,11 +51,11 @@ def describe(
         tuple(ArrayInC(name, what, np.array(values, dtype=np.float64)) for name, (values, what) in tables.items()),
         tuple(ArrayInC(name, what, np.zeros(model.n)) for name, what in (memory or {}).items()),
         begin,
-        leg=leg_in_c(model, calls, friction, dialect),
+        leg=_leg_in_c(model, calls, friction, dialect),
     )
 
 
-def leg_in_c(
+def _leg_in_c(
     model: ControlModel, calls: tuple[Needed, ...], friction: FrictionCompensation | None, dialect: Dialect
 ) -> LegInC:
     """Write the springs, friction and rotors of a model as sums of terms, with the functions that a law calls."""

@@ -2,71 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
-
 import numpy as np
 import pinocchio as pin
 import scipy  # its parts load when they are first used
 
 from exoid._typing import ArrayLike, FloatArray
-from exoid.codegen import MOTION, Dialect, LawInC
 from exoid.errors import NotSupportedError
 from exoid.leg.joint_numbers import for_joints
 from exoid.leg.model import configuration
-from exoid.rig import Target
 from exoid.tools.numbers import checked
 
-from .c_description import describe
 from .friction import AHEAD, FrictionCompensation, model_to_compensate
-from .law import RATE, State, acceleration, refuse_rate, sound
+from .law import RATE, refuse_rate
 from .model import ControlModel, ModelSource, possible_mass_matrix
-
-STEP = """\
-    {{real}} friction[{{N}}];
-    int k;
-    {{p}}_inverse_dynamics(in->q_d, in->v_d, in->a_d, tau);
-{{friction}}
-    for (j = 0; j < {{N}}; ++j) {
-        tau[j] += friction[j];
-        for (k = 0; k < {{N}}; ++k) {
-            tau[j] += {{p}}_gain[j][k] * (in->q_d[k] - in->q[k]);
-            tau[j] += {{p}}_gain[j][{{N}} + k] * (in->v_d[k] - in->v[k]);
-        }
-    }
-"""
-
-
-@dataclass(frozen=True, eq=False)
-class LQR:
-    """τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K (x_d − x), x = (θ, θ̇)."""
-
-    model: ControlModel  # model of the feedforward
-    gain: FloatArray  # gain K [N·m/rad, N·m·s/rad], (n, 2n)
-    friction: FrictionCompensation | None = AHEAD  # friction compensation; None for none
-    rate: float = RATE  # sampling rate [Hz]
-
-    def torque(self, state: State, target: Target) -> FloatArray:
-        """Compute the torque; see the class."""
-        torque = self.model.inverse_dynamics(target.q, target.v, acceleration(target))
-        torque = torque + self.gain @ np.concatenate([target.q - state.q, target.v - state.v])
-        if self.friction is not None:
-            torque = torque + self.friction.torque(self.model, state, target)
-        return sound(torque, state, target)
-
-    def in_c(self, dialect: Dialect) -> LawInC:
-        """Describe the law in C."""
-        return describe(
-            self.model,
-            self.friction,
-            self.rate,
-            dialect,
-            equation="tau = M(q_d) a_d + C(q_d, v_d) v_d + G(q_d) + springs(q_d){friction} + K (x_d - x), x = (q, v)",
-            step=STEP,
-            calls=("inverse_dynamics",),
-            inputs=MOTION,
-            tables={"gain": (self.gain, "K [N m/rad, N m s/rad]")},
-        )
+from .tracking_law import TrackingLaw
 
 
 def lqr(
@@ -77,8 +26,8 @@ def lqr(
     torque: ArrayLike = 10.0,
     friction: FrictionCompensation | None = AHEAD,
     rate: float = RATE,
-) -> LQR:
-    """Make an :class:`LQR` controller, with one gain for all poses.
+) -> TrackingLaw:
+    """Make LQR, τ = M(θ_d) θ̈_d + C θ̇_d + G(θ_d) + F_r + K (x_d − x) with x = (θ, θ̇) and one gain K for all poses.
 
     The leg is linearised at rest in a pose and sampled at the controller's rate: x⁺ = A x + B u. The cost is
     Σ xᵀ Q x + uᵀ R u, each part (deviation / acceptable deviation)² by Bryson's rule (Bryson and Ho 1975).
@@ -107,25 +56,19 @@ def lqr(
     about = for_joints(checked(pose, "the pose"), n, "angles of the pose")
     acceptable = (np.deg2rad(angle_deg), torque)
     deviations = [for_joints(checked(x, "an acceptable deviation", above=0.0), n, "deviations") for x in acceptable]
-    A, B = discretise(linearise(model, about, at_rest, at_rest), 1.0 / rate)
+    A, B = discretise(*linearise(model, about, at_rest, at_rest), 1.0 / rate)
     Q, R = np.diag(np.append(deviations[0] ** -2.0, at_rest)), np.diag(deviations[1] ** -2.0)
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:
         what, remedy = f"no stabilising gain ({error})", "make angle errors cost more, or raise the rate"
         raise NotSupportedError(what, remedy=remedy) from error
-    return LQR(model, np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)), friction, rate)
+    K = np.asarray(scipy.linalg.solve(R + B.T @ S @ B, B.T @ S @ A))
+    return TrackingLaw("optimal", K[:, :n], K[:, n:], model, friction, rate)
 
 
-class Linear(NamedTuple):
-    """ẋ = A x + B u, or x⁺ = A x + B u, with x = (δq, δv) and u = δτ."""
-
-    A: FloatArray  # state matrix, (2n, 2n)
-    B: FloatArray  # input matrix, (2n, n)
-
-
-def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) -> Linear:
-    """Linearise forward dynamics in continuous time."""
+def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Linearise forward dynamics in continuous time, ẋ = A x + B u with x = (δq, δv) and u = δτ."""
     #     δv̇ = −M⁻¹ (∂τ/∂q + s'(q)) δq − M⁻¹ (∂τ/∂v + d) δv + M⁻¹ δτ
     #
     # with τ = RNEA(q, v, a). Springs that couple joints, and rotors that several joints turn, are included. Coulomb
@@ -141,10 +84,10 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
     A[n:, :n] = -inverse @ (by_q + of_springs)
     A[n:, n:] = -inverse @ (by_v + np.diag(model.viscous))
     B[n:] = inverse
-    return Linear(A, B)
+    return A, B
 
 
-def discretise(continuous: Linear, period: float) -> Linear:
-    """Discretise with the torque held over each period."""
-    A, B = continuous
-    return Linear(*scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)[:2])
+def discretise(A: FloatArray, B: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
+    """Discretise with the torque held over each period, x⁺ = A x + B u."""
+    A, B = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)[:2]
+    return A, B

@@ -30,7 +30,7 @@ class Feedforward(NamedTuple):
     step: str  # {{feedback}} is Kp (q_d - q) + Kd (v_d - v) of joint j, {{friction}} what compensates friction
     calls: tuple[Needed, ...] = ("inverse_dynamics",)
     inputs: tuple[InputInC, ...] = MOTION
-    gains: tuple[str, ...] = ("Kp [N m/rad]", "Kd [N m s/rad]")
+    gains: tuple[str, ...] = ("Kp [N m/rad]", "Kd [N m s/rad]")  # tables in C: kp and kd, or only share
     # damping of the safe torque from kd; None for the default gain of controllers
     damping: Callable[[TrackingLaw, FloatArray], FloatArray | None] = lambda law, kd: kd
 
@@ -107,6 +107,28 @@ FEEDFORWARDS = {
         gains=("K [N m/rad]", "D [N m s/rad]"),
         damping=lambda law, kd: None,
     ),
+    "optimal": Feedforward(
+        "LQR",  # errors of all joints act on each
+        lambda law, s, t: (
+            law.known.inverse_dynamics(t.q, t.v, acceleration(t)) + law.kp @ (t.q - s.q) + law.kd @ (t.v - s.v)
+        ),
+        "tau = M(q_d) a_d + C(q_d, v_d) v_d + G(q_d) + springs(q_d){friction} + K (x_d - x), x = (q, v)",
+        """\
+    {{real}} friction[{{N}}];
+    int k;
+    {{p}}_inverse_dynamics(in->q_d, in->v_d, in->a_d, tau);
+{{friction}}
+    for (j = 0; j < {{N}}; ++j) {
+        tau[j] += friction[j];
+        for (k = 0; k < {{N}}; ++k) {
+            tau[j] += {{p}}_kp[j][k] * (in->q_d[k] - in->q[k]);
+            tau[j] += {{p}}_kd[j][k] * (in->v_d[k] - in->v[k]);
+        }
+    }
+""",
+        gains=("K of angles [N m/rad]", "K of velocities [N m s/rad]"),
+        damping=lambda law, kd: None,
+    ),
     "share": Feedforward(
         "GravitySupport",  # the wearer decides on the motion, and feels the inertia and the rest of weight and friction
         lambda law, s, t: spread(law.kp, s.q) * law.known.statics(s.q),
@@ -135,7 +157,7 @@ class TrackingLaw:
 
     feedforward: str  # use of the model, one of FEEDFORWARDS
     kp: FloatArray  # gain Kp [N·m/rad], [1/s²] if linearising, the share of the weight; a number, (n,) or (n, B)
-    kd: FloatArray  # gain Kd [N·m·s/rad], [1/s] if linearising, likewise
+    kd: FloatArray  # gain Kd [N·m·s/rad], [1/s] if linearising, likewise; both (n, n) if optimal
     model: ControlModel | None = None  # model of the leg; None without feedforward
     friction: FrictionCompensation | None = None  # friction compensation; None for none
     rate: float = RATE  # sampling rate [Hz]
@@ -178,10 +200,11 @@ class TrackingLaw:
         if self.model is None and not sizes:
             raise BadArgumentError("PD control of an unknown number of joints", remedy="give one gain for each joint")
         n = sizes[0] if self.model is None else self.model.n
-        kd = for_joints(self.kd, n, "kd")
-        numbers = (for_joints(self.kp, n, "kp"), kd)
+        kp, kd = self.kp, self.kd
+        if self.feedforward != "optimal":
+            kp, kd = for_joints(kp, n, "kp"), for_joints(kd, n, "kd")
         names = ("share",) if self.feedforward == "share" else ("kp", "kd")
-        tables = {name: (gain, what) for name, gain, what in zip(names, numbers, kind.gains, strict=False)}
+        tables = {name: (gain, what) for name, gain, what in zip(names, (kp, kd), kind.gains, strict=False)}
         step = kind.step.replace("{{feedback}}", FEEDBACK)
         if self.model is None:
             arrays = tuple(ArrayInC(name, what, gain) for name, (gain, what) in tables.items())

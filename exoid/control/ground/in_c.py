@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -11,7 +12,7 @@ from exoid._typing import ArrayLike
 from exoid.codegen import MOTION, ArrayInC, Dialect, InputInC, LawInC
 from exoid.codegen.dialect import ABSURD
 from exoid.codegen.templates import step_of
-from exoid.control.c_description import leg_in_c
+from exoid.control.c_description import describe
 from exoid.control.friction import FrictionCompensation
 from exoid.errors import NotSupportedError
 from exoid.leg.model import configuration
@@ -30,35 +31,33 @@ def stance_in_c(
     """Describe the law: inputs of a state and a target, and a solver of quadratic programs that the caller gives."""
     if dialect.real != "double":
         raise NotSupportedError("the law on the ground in single precision", remedy='use precision="double"')
-    soles, n = [*model.soles], model.n
-    tables = [ArrayInC(name, what, np.minimum(values, ABSURD)) for name, (values, what) in numbers.items()]
-    none = "    for (j = 0; j < {{N}}; ++j) {\n        friction[j] = 0.0;\n    }"
-    statements, words = (none, "") if friction is None else friction.in_c("in->v")
-    order = ", ".join(soles)
-    return LawInC(
-        model.leg.joint_names,
-        f"tau of min |dnu - dnu_d|^2 over torques and ground forces, {order}{words}",
-        f"    double springs[{{{{N}}}}], friction[{{{{N}}}}];\n{statements}\n    {{{{p}}}}_springs(in->q, springs);\n"
+    soles, order = len(model.soles), ", ".join(model.soles)
+    law = describe(
+        model,
+        friction,
+        rate,
+        dialect,
+        equation=f"tau of min |dnu - dnu_d|^2 over torques and ground forces, {order}{{friction}}",
+        step="    double springs[{{N}}], friction[{{N}}];\n{{friction}}\n    {{p}}_springs(in->q, springs);\n"
         "    for (j = 0; j < {{N}}; ++j) {\n        springs[j] += friction[j];\n    }\n"
         "    if (!{{p}}_stand(in, springs, tau)) { /* nothing touches, or no solution: the safe torque */\n"
         "        tau[0] = NAN;\n    }",
-        rate,
-        np.full(n, BRAKE),
-        (
+        calls=("springs",),
+        inputs=(
             InputInC("pitch", "pitch of the torso, shoulders backwards, and its rate [rad, rad/s]", "reading", 2),
-            InputInC("contact", f"0 in the air, 1 flat, 2 heel, 3 toe; {order}", "reading", len(soles)),
-            InputInC("share", "relative shares of the load", "reading", len(soles)),
+            InputInC("contact", f"0 in the air, 1 flat, 2 heel, 3 toe; {order}", "reading", soles),
+            InputInC("share", "relative shares of the load", "reading", soles),
             InputInC("interaction", "torque of the wearer [N m]", "reading"),
             InputInC("push", "known force on the torso forward, up, and moment as the pitch [N, N, N m]", "reading", 3),
             InputInC("lean", "angle by which the ground rises forward [rad]", "reading", 1),
             *MOTION,
             InputInC("pitch_d", "desired pitch and its derivatives [rad, rad/s, rad/s^2]", "target", 3),
         ),
-        (*tables, *_bodies(model)),
-        helpers=f"{{% set S = {len(soles)} %}}\n" + step_of("stance"),
-        leg=leg_in_c(model, ("springs",), friction, dialect),
-        solver=True,
+        tables={name: (np.minimum(values, ABSURD), what) for name, (values, what) in numbers.items()},
+        damping=np.full(model.n, BRAKE),
     )
+    helpers = f"{{% set S = {soles} %}}\n" + step_of("stance")
+    return replace(law, tables=(*law.tables, *_bodies(model)), helpers=helpers, solver=True)
 
 
 def _bodies(model: GroundModel) -> list[ArrayInC]:

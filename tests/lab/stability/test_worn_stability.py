@@ -80,7 +80,7 @@ def test_without_wearer_and_memory_the_radius_is_that_of_the_model_of_lqr(delay)
     law = gravity_friction_pd(PLANT, (22.0, 55.0), (2.2, 5.5), friction=None, rate=50.0)
     loop = WornLoop.of([law], np.zeros(1), None, POSE[None], delay)
     radius = loop.radius(loop.legs_of([MODEL]), np.zeros(1))
-    A, B = discretise(linearise(MODEL, POSE, np.zeros(2), np.zeros(2)), 1.0 / law.rate)
+    A, B = discretise(*linearise(MODEL, POSE, np.zeros(2), np.zeros(2)), 1.0 / law.rate)
     matrix = loop_matrices(HeldLeg(A[None], B[None], np.eye(6, 4)), linear_law(law, POSE).without_last(), delay)
     assert radius[0] == pytest.approx(np.abs(np.linalg.eigvals(matrix)).max(), rel=1e-7)
 
