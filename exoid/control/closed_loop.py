@@ -16,7 +16,7 @@ from exoid.rig import IdealTorque, Plant, Rates, Reference, Sensors, Target, Wea
 from exoid.rig import simulate as simulate_rig
 from exoid.tools.numbers import checked
 
-from .law import RATE, AnyLaw, Memory, State, name_of, stateful
+from .law import RATE, AnyLaw, RunningLaw, name_of
 from .tracking import Tracking, tracking_of
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ def simulate_many(
     run = simulate_rig(
         plant,
         reference,
-        _OneForEach(laws) if isinstance(law, Sequence) else _Sampled(law),
+        _Sampled(laws if isinstance(law, Sequence) else [law]),
         IdealTorque(),
         duration,
         start=start,
@@ -207,49 +207,23 @@ def plant_step(control: float, log: float) -> float:
 
 
 class _Sampled:
-    """A controller as the rig calls it: keeps its memory, the time and the last torque, for this run only."""
-
-    def __init__(self, law: AnyLaw) -> None:
-        self._law, self._count = stateful(law), 0
-        self._last: FloatArray | None = None
-        self._memory: Memory = None
-
-    def command(
-        self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None = None
-    ) -> FloatArray:
-        """Compute the torque, given that of the wearer if there is one."""
-        single = q.shape[1] == 1
-        if single:  # vectors are quicker than columns
-            q, v = q[:, 0], v[:, 0]
-            interaction = None if interaction is None else interaction[:, 0]
-            target = Target(*(None if x is None else x[:, 0] for x in target))  # type: ignore[arg-type]
-        state = State(q, v, self._count / self._law.rate, self._last, interaction)
-        if self._count == 0:
-            self._memory = self._law.begin(state)
-        torque, self._memory = self._law.step(self._memory, state, target)
-        self._count += 1
-        self._last = torque
-        return torque[:, None] if single else torque
-
-    command_worn = command
-
-
-class _OneForEach:
-    """Controller k for rig k."""
+    """Controllers as the rig calls them: one for all rigs at once, or controller k for rig k."""
 
     def __init__(self, laws: Sequence[AnyLaw]) -> None:
-        self._each = [_Sampled(law) for law in laws]
+        self._runs = [RunningLaw(law) for law in laws]
 
     def command(
         self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None = None
     ) -> FloatArray:
         """Compute the torques, given those of the wearers if there are any."""
+        if len(self._runs) < q.shape[1]:
+            return self._runs[0].command(q, v, target, interaction)
         aims = [None if x is None else np.broadcast_to(x, q.shape) for x in target]
         torques = []
-        for k, law in enumerate(self._each):
-            aim = Target(*(None if x is None else x[:, k : k + 1] for x in aims))  # type: ignore[arg-type]
-            felt = None if interaction is None else interaction[:, k : k + 1]
-            torques.append(law.command(aim, q[:, k : k + 1], v[:, k : k + 1], felt))
-        return np.hstack(torques)
+        for k, run in enumerate(self._runs):  # vectors are quicker than columns
+            aim = Target(*(None if x is None else x[:, k] for x in aims))  # type: ignore[arg-type]
+            felt = None if interaction is None else interaction[:, k]
+            torques.append(run.command(q[:, k], v[:, k], aim, felt))
+        return np.column_stack(torques)
 
     command_worn = command

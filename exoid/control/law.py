@@ -155,6 +155,25 @@ def stateful(law: AnyLaw) -> StatefulLaw:
     return Memoryless(law)
 
 
+class RunningLaw:
+    """A controller in one run: keeps its memory, the time and the last torque."""
+
+    def __init__(self, law: AnyLaw, first: int = 0) -> None:
+        self._law, self._count = stateful(law), first
+        self._last: FloatArray | None = None
+        self._memory: Memory = None  # before the first sample
+
+    def command(
+        self, q: FloatArray, v: FloatArray, target: Target, interaction: FloatArray | None = None
+    ) -> FloatArray:
+        """Compute the torque to hold until the next sample."""
+        state = State(q, v, self._count / self._law.rate, self._last, interaction)
+        memory = self._law.begin(state) if self._memory is None else self._memory
+        self._last, self._memory = self._law.step(memory, state, target)
+        self._count += 1
+        return self._last
+
+
 def name_of(law: AnyLaw) -> str:
     """Name of a controller in tables: its own, or that of its class."""
     return str(getattr(law, "name", type(law).__name__))

@@ -20,7 +20,7 @@ from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 from exoid.torques import TorqueModel
 
-from .law import AnyLaw, State, name_of, stateful
+from .law import AnyLaw, RunningLaw, name_of
 from .limited import Limited
 from .tracking import rms
 
@@ -170,17 +170,16 @@ def replay_law(
     limits = (law.limit, law.slew) if isinstance(law, Limited) else (np.inf, np.inf)
     limit, slew = (np.broadcast_to(np.asarray(x, dtype=np.float64), (recording.n_joints,)) for x in limits)
     label = name_of(law) if name is None else name
-    runs, last = stateful(law), None
-    memory, commanded = runs.begin(State(q[0], v[0])), np.empty_like(q)
+    run, commanded = RunningLaw(law, int(first)), np.empty_like(q)
     for k, time in enumerate(times.tolist()):
         aim = Target(*(None if x is None else x[:, 0] for x in aims.at(time)))  # type: ignore[arg-type]
         with within(f"at {time:g} s"):
-            torque, memory = runs.step(memory, State(q[k], v[k], time, last), aim)
+            torque = run.command(q[k], v[k], aim)
         if torque.shape != q[k].shape or not np.isfinite(torque).all():
             what = f"the controller commands {torque} N·m at {time:g} s"
             remedy = "check that it is for the joints of the log, and that its parameters are finite"
             raise BadArgumentError(what, where=where, remedy=remedy)
-        commanded[k] = last = torque
+        commanded[k] = torque
     return LawReplay(
         label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew
     )
