@@ -15,7 +15,6 @@ from exoid.codegen import c_source
 from exoid.control import stance
 from exoid.control.ground import GroundState, GroundTarget, StanceLaw
 from exoid.control.ground.model import BRAKE
-from exoid.control.ground.qp import HARD, SOFT
 from exoid.rig.ground import GroundPlant
 from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES, SEAT
 
@@ -35,7 +34,7 @@ def solve(n, m, H, f, A, upper, lower, soft, x):
         np.ctypeslib.as_array(each, (count,)).copy() for each, count in ((f, n), (upper, m), (lower, m), (soft, m))
     )
     lower[lower <= -1e30] = -np.inf
-    sense = np.where(soft > 0, SOFT, HARD).astype(np.intc)
+    sense = np.where(soft > 0, 8, 0).astype(np.intc)
     found, _, flag, _ = daqp.solve(H, f, A, upper, lower, sense)
     np.ctypeslib.as_array(x, (n,))[:] = found
     return flag

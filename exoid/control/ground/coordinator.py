@@ -24,9 +24,8 @@ RESTS = 0.3
 RISES, JERKS, DAMPING = 0.08, 0.01, 8.0
 """Times in which the torque may cross its range and reach this rate [s], and damping of the fall-back [N·m·s/rad]."""
 
-KEEPS, TRANSFER, ABOUT, LASTS, LIKELY = 0.15, 0.1, 0.3, 0.1, 0.9
-"""Times for which the last support is kept in doubt, a foot takes its share, a change of contacts may be early or late,
-and an unplanned contact must have been known before it bears [s]; probability from which a leg bears on in doubt."""
+KEEPS, TRANSFER = 0.15, 0.1
+"""Times for which the last support is kept in doubt, and in which a foot takes its share [s]."""
 
 
 class Rule(NamedTuple):
@@ -195,8 +194,8 @@ class Coordinator:
             leaving = memory.known - function.expected(memory.phase + TRANSFER / function.duration)
         kept = []
         for name in (*SIDES, SEAT):  # not in the order of a set, which varies
-            proven = name in planned or memory.settled >= LASTS  # a foot planned in the air needs lasting proof
-            least = LIKELY if doubt and name in planned else CERTAIN
+            proven = name in planned or memory.settled >= 0.1  # a foot planned in the air needs lasting proof [s]
+            least = 0.9 if doubt and name in planned else CERTAIN
             if name in memory.known and proven and bears[name] >= least:
                 kept.append(name)
         feet = [name for name in kept if name != SEAT]
@@ -220,12 +219,12 @@ class Coordinator:
             memory: Memory.
 
         Returns:
-            Sets that it plans within :data:`ABOUT`; none in the safe stop.
+            Sets that it plans within 0.3 s, as a change may be early or late; none in the safe stop.
         """
         if memory.function == SAFE:
             return frozenset()
         function = self.functions[memory.function]
-        return {function.expected(memory.phase + way / function.duration) for way in (-ABOUT, 0.0, ABOUT)}
+        return {function.expected(memory.phase + way / function.duration) for way in (-0.3, 0.0, 0.3)}
 
     def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
         """Bound torque and power, and rate and jerk of the torque.

@@ -28,10 +28,6 @@ CERTAIN = 0.99
 BLOCK = 0.01
 """Time between two decisions [s]."""
 
-LIGHT, LEAST = 0.25, 40.0
-"""Share of its usual forces that a seat bears while it is loaded slowly, and least force of a seat [N]."""
-# Without the second, a function that expects the seat would be proof of it. Chosen on seeds 900 and 901 of the loop.
-
 
 class ContactNoise(NamedTuple):
     """Standard deviations of what is not in the model, and prior rates, chosen on the rig."""
@@ -374,7 +370,8 @@ class ContactFilter:
         least = np.full(K, np.inf)  # distance of the best set
         seat = self.model.leg.description.root_link
         for h, links in enumerate(self.sets):
-            bear, grades = [link for link in self.soles if link in links], (LIGHT, 1.0) if seat in links else (1.0,)
+            # a seat that is loaded slowly bears a quarter of its usual forces
+            bear, grades = [link for link in self.soles if link in links], (0.25, 1.0) if seat in links else (1.0,)
             both = [self._bear(white, [loads[x] * (g if x == seat else 1.0) for x in bear]) for g in grades]
             y, distance, _ = both[-1]
             likelihood[:, h] = np.logaddexp.reduce([score for *_, score in both]) - np.log(len(both))
@@ -388,7 +385,8 @@ class ContactFilter:
                 wrenches[:, h, own] = each * self._prior
                 for k, link in enumerate(bear):
                     force = np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k])
-                    likelihood[:, h] -= self._impossible(force, up, LEAST if link == seat else 0.0)
+                    # without 40 N at least, a function that expects the seat would be proof of it
+                    likelihood[:, h] -= self._impossible(force, up, 40.0 if link == seat else 0.0)
         wide = np.linalg.inv(L) * (self._weight * np.repeat([1.0, 0.3], [2, b + n - 2]))
         *_, likelihood[:, -1] = self._bear(white, [wide])
         return likelihood, wrenches, np.log1p(least.clip(0.0) / noise.freedom)

@@ -24,7 +24,7 @@ from exoid.rig.ground import GroundPlant, Sole
 from exoid.tools.numbers import checked
 
 from .in_c import stance_in_c
-from .model import BASE, ContactRows, Dynamics, GroundModel
+from .model import BASE, ContactRows, GroundModel
 from .qp import Rows, minimise, require_daqp
 
 ContactKind = Literal["flat", "heel", "toe"]
@@ -158,10 +158,10 @@ class StanceLaw:
 
     def _command(self, state: GroundState, target: GroundTarget, given: Mapping[str, float]) -> StanceCommand:
         """Solve the problem of :meth:`command` for contacts with their shares."""
-        dynamics, rows, shares = self._setting(state, given)
+        M, bias, rows, shares = self._setting(state, given)
         n, joints = self.model.n, slice(BASE, None)
         J, drift = np.concatenate([each.J for each in rows]), np.concatenate([each.drift for each in rows])
-        M, bias, count = dynamics.M, dynamics.h.copy(), len(J)
+        count = len(J)
         bias[:BASE] -= 0.0 if state.push is None else state.push  # what no actuator gives
         bias[joints] -= 0.0 if state.interaction is None else state.interaction
         # equality rows of x = (dν, f / weight): contacts that hold, and the base, which has no actuator
@@ -217,7 +217,7 @@ class StanceLaw:
         if self.estimate is None:
             return np.zeros(self.model.n)
         a, model, pitch = self.command(state, target).acceleration, self.estimate.model, float(state.pitch)
-        _, rows, shares = self._setting(state, {link: float(state.shares.get(link, 1.0)) for link in state.contacts})
+        *_, rows, shares = self._setting(state, {link: float(state.shares.get(link, 1.0)) for link in state.contacts})
         J = np.concatenate([each.J for each in rows])
         turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
         torso = TorsoMotion(np.array([pitch]), np.array([float(state.pitch_rate)]), a[2:3], (turn @ a[:2])[None])
@@ -259,13 +259,13 @@ class StanceLaw:
 
     def _setting(
         self, state: GroundState, shares: Mapping[str, float]
-    ) -> tuple[Dynamics, list[ContactRows], FloatArray]:
-        """Dynamics in a state, and rows of some of its contacts with their shares."""
+    ) -> tuple[FloatArray, FloatArray, list[ContactRows], FloatArray]:
+        """Inertia and bias forces in a state, and rows of some of its contacts with their shares."""
         pose = state.q, state.v, float(state.pitch), float(state.pitch_rate)
-        dynamics = self.model.dynamics(*pose)
+        M, bias = self.model.dynamics(*pose)
         cone = self.ground_friction, self.margin, state.lean
         rows = [self.model.contact(link, state.contacts[link], pose, cone) for link in shares]
-        return dynamics, rows, np.array(list(shares.values()))
+        return M, bias, rows, np.array(list(shares.values()))
 
     def _forces(self, rows: list[ContactRows], shares: FloatArray) -> Rows:
         """Bounds of forces over the weight: cones of all contacts, then the normal force of each by its share."""
@@ -283,7 +283,7 @@ class StanceLaw:
     def weight(self) -> float:
         """Weight of the machine [N], by which forces are scaled."""
         q = np.zeros(self.model.n)
-        return max(1.0, float(abs(self.model.dynamics(q, q, 0.0, 0.0).h[1])))
+        return max(1.0, float(abs(self.model.dynamics(q, q, 0.0, 0.0)[1][1])))
 
 
 def stance(

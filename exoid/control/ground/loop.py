@@ -25,21 +25,8 @@ LOADING = 0.15
 BOUNCE = 0.02
 """Time for which an open switch still counts as closed, and then time in which the foot loses its share [s]."""
 
-SEEK, LONGEST = 0.3, 0.3
-"""Speed at which a foot that missed its planned contact is lowered [m/s], and the longest time [s]."""
-
-ASTRAY, UNLIKE, AGREES, HOLDS = 0.45, 0.4, 1.2, 0.02
-"""Errors of a lost machine: posture [rad], mean loads over the weight, its time [s]; posture that holds [rad]."""
-
-BELIEVED, ROLLS, NOTICED, LOST = 0.5, 0.06, 0.004, 0.03
-"""Time for which the accelerometer tells a velocity [s], that of a sole at rest [m/s], and slips that count [m]."""
-# From the first the ground is slippery, and a seat is not left; from the second the footing is lost.
-
-GIVES, SLOWS = 0.3, 0.05
-"""Error at which a joint that holds its posture has all of its torque [rad], and damping over its stiffness [s]."""
-
-SLIPPERY, STEEPER, CAUTION = 0.08, 1.5, 0.7
-"""Least ratio of forces at which a sole slips, alone and over the slope of the ground, and its share for the law."""
+ROLLS, NOTICED = 0.06, 0.004
+"""Velocity of a sole at rest [m/s], and slip from which the ground is slippery and a seat is not left [m]."""
 
 
 @dataclass(eq=False)
@@ -237,8 +224,8 @@ class CoordinatedLoop(LawLoop):
         # a joint whose reading froze has no error and no speed: it keeps its torque, but not in a leg in the air
         limbs, frozen = self.law.model.leg.limbs, np.resize(self._told.frozen, len(q))
         bears = np.repeat([limb.label in known for limb in limbs], [limb.chain.n for limb in limbs])
-        stiff = self.coordinator.limit / GIVES
-        return np.where(frozen, bears * torque, torque + stiff * (q - reading.q - SLOWS * reading.v))
+        stiff = self.coordinator.limit / 0.3  # an error of 0.3 rad has all of the torque
+        return np.where(frozen, bears * torque, torque + stiff * (q - reading.q - 0.05 * reading.v))
 
     def _tell(self, reading: GroundReading) -> None:
         """Feed the filter, in whole blocks, with the torque that acted until now."""
@@ -273,25 +260,26 @@ class CoordinatedLoop(LawLoop):
         self._slipped = {
             link: max(self._slipped.get(link, 0.0) + dt * (abs(speed) - ROLLS), 0.0) for link, speed in speeds.items()
         }
-        self._speed -= dt / BELIEVED * float(np.mean([*speeds.values()])) if speeds else 0.0
+        # the accelerometer tells a velocity for 0.5 s
+        self._speed -= dt / 0.5 * float(np.mean([*speeds.values()])) if speeds else 0.0
         beside, command = 0.0, self.commands[-1]
         forces: Mapping[str, FloatArray] = {} if command is None else command.forces
         for link, (forward, up, _) in zip(self.contacts.soles, self._wrench, strict=True):
             force = (forward + 1j * up) * np.exp(1j * (angle + model.turns[link] @ reading.q))
             wanted = forces[link][1] if link in forces else 0.0
             beside += abs(force.imag - wanted) / self.law.weight if forces else 0.0
-            ratio, least = abs(force.real) / max(force.imag, 1.0), max(SLIPPERY, STEEPER * abs(np.tan(self.lean)))
+            ratio, least = abs(force.real) / max(force.imag, 1.0), max(0.08, 1.5 * abs(np.tan(self.lean)))
             # a sole that is set down seems to slide a little, with a force that any ground bears
             if self._slipped.get(link, 0.0) > NOTICED and abs(speeds[link]) > ROLLS and ratio > least:
-                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(CAUTION * ratio)))
-        self._beside += dt / AGREES * (beside - self._beside)
+                self.law = replace(self.law, ground_friction=min(self.law.ground_friction, float(0.7 * ratio)))
+        self._beside += dt / 1.2 * (beside - self._beside)  # a mean over 1.2 s: loads of a step differ for less
 
     def _lost(self, reading: GroundReading) -> bool:
         """Whether a sole slips on, or at all before a seat, or posture or loads are far from what is wanted."""
         far = 0.0 if self._x is None else float(np.abs(np.append(reading.q, reading.pitch) - self._x).max())
-        unlike = self._beside > UNLIKE and far > HOLDS  # how feet share a load in a posture that holds is no loss
-        slips = max(self._slipped.values(), default=0.0) > (NOTICED if SEAT in self._memory.known else LOST)
-        return far > ASTRAY or unlike or slips
+        unlike = self._beside > 0.4 and far > 0.02  # how feet share a load in a posture that holds is no loss
+        slips = max(self._slipped.values(), default=0.0) > (NOTICED if SEAT in self._memory.known else 0.03)
+        return far > 0.45 or unlike or slips
 
     def _follow(
         self, function: str, phase: float, reading: GroundReading, bears: Contacts
@@ -319,9 +307,9 @@ class CoordinatedLoop(LawLoop):
             own, side = limb.joints, limb.label
             if side in lands:  # early or late: it stays where it is, or both legs would press against each other
                 self._since[own], self._off[own] = 0.0, q[own] - x[own]
-            self._late[side] = min(self._late[side] + dt, LONGEST) * (side in late)
-            if side in late:
-                speed[own] += (way := SEEK * self._lowering(q, side, own))
+            self._late[side] = min(self._late[side] + dt, 0.3) * (side in late)
+            if side in late:  # it is lowered at 0.3 m/s, for 0.3 s
+                speed[own] += (way := 0.3 * self._lowering(q, side, own))
                 lower[own] = self._late[side] * way
         self._since += dt
         self._x = x + self._off * (1.0 - minimum_jerk(self._since / 0.5))  # half a second from one function to the next

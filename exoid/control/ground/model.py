@@ -35,26 +35,12 @@ BASE = 3
 """Coordinates of a planar base: hip forward, hip up, pitch."""
 
 
-class Dynamics(NamedTuple):
-    """M dnu + h = (0, tau) + sum Jᵀ f in a state, without springs and friction of the joints."""
-
-    M: FloatArray  # inertia, (3 + n, 3 + n)
-    h: FloatArray  # gravity, centrifugal and Coriolis forces, (3 + n,)
-
-
 class ContactRows(NamedTuple):
     """Directions that a contact holds, J dnu + drift = 0, and the cone of its force, cone @ f ≤ 0."""
 
     J: FloatArray  # (c, 3 + n), c = 3 for a flat sole, 2 for a point
     drift: FloatArray  # acceleration at dnu = 0, (c,)
     cone: FloatArray  # friction cone and edges of the sole, (k, c)
-
-
-class Place(NamedTuple):
-    """Middle of a sole: its frame in Pinocchio's model, and half its length."""
-
-    frame: int  # its x axis is forward and its z axis up at the zero pose
-    half: float  # half the length of the sole [m], 0 for a point
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,10 +107,10 @@ class GroundModel(ControlModel):
         return free
 
     @cached_property
-    def places(self) -> dict[str, Place]:
-        """Middle of each sole."""
+    def places(self) -> dict[str, tuple[int, float]]:
+        """Frame at the middle of each sole, x forward and z up at the zero pose, and half its length [m]."""
         return {
-            link: Place(self.pinocchio.getFrameId(f"exoid sole {link}"), 0.5 * float(np.ptp(points[:, 0])))
+            link: (self.pinocchio.getFrameId(f"exoid sole {link}"), 0.5 * float(np.ptp(points[:, 0])))
             for link, points in ((link, from_joint(self.leg, link, sole)) for link, sole in self.soles.items())
         }
 
@@ -147,8 +133,9 @@ class GroundModel(ControlModel):
         out[6:, BASE:] = np.eye(self.n)
         return out
 
-    def dynamics(self, q: FloatArray, v: FloatArray, pitch: float, pitch_rate: float) -> Dynamics:
-        """Compute inertia and bias forces, and keep the kinematics for :meth:`contact`; the pitch is about −lateral."""
+    def dynamics(self, q: FloatArray, v: FloatArray, pitch: float, pitch_rate: float) -> tuple[FloatArray, FloatArray]:
+        """Compute M and h of M dnu + h = (0, tau) + sum Jᵀ f, and keep the kinematics for :meth:`contact`."""
+        # without springs and friction of the joints; the pitch is about −lateral
         model, data, spin = self.pinocchio, self._data, -self.leg.plane.lateral
         joints = np.concatenate([np.zeros(6), q])[None]
         position = configuration(model, joints)[0]
@@ -161,7 +148,7 @@ class GroundModel(ControlModel):
         pin.forwardKinematics(model, data, position, velocity, np.zeros(6 + self.n))
         pin.computeJointJacobians(model, data, position)
         B = self._base
-        return Dynamics(B.T @ M @ B, B.T @ h)
+        return B.T @ M @ B, B.T @ h
 
     def contact(
         self, link: str, kind: str, pose: tuple[FloatArray, FloatArray, float, float], cone: tuple[float, float, float]

@@ -11,9 +11,6 @@ from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.tools.extras import install_extra
 
-HARD, SOFT = 0, 8
-"""DAQP's kinds of constraints: one that holds, and one that is violated as little as need be."""
-
 
 def require_daqp() -> Any:  # noqa: ANN401 - a module
     """Import DAQP, an extra of exoid."""
@@ -37,11 +34,11 @@ def minimise(A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> tuple[Floa
 
     If no y fulfils all, the last group is violated as little as need be, then the one before it, too; never the first.
     """
-    solver = require_daqp()
+    solver, hard, soft = require_daqp(), 0, 8  # DAQP's kinds of constraints
     rows, lower, upper = (np.concatenate(parts) for parts in zip(*groups, strict=True))
     sizes = [len(group.upper) for group in groups]
     for softened in range(len(groups)):  # a soft constraint that is active is always violated a little
-        kinds = [HARD] * (len(groups) - softened) + [SOFT] * softened
+        kinds = [hard] * (len(groups) - softened) + [soft] * softened
         sense = np.repeat(np.array(kinds, dtype=np.intc), sizes)
         y, _, exit_flag, _ = solver.solve(A.T @ A, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
         if exit_flag > 0:

@@ -11,9 +11,6 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-HISTORY = 10.0
-"""Delays of the channels after which their filters have forgotten."""
-
 
 @dataclass(frozen=True, eq=False)
 class JointFilter:
@@ -76,6 +73,11 @@ class Alignment:
         return self.waiting + float(filtered)
 
     @property
+    def history(self) -> int:
+        """Number of samples after which the filters have forgotten: ten delays."""
+        return 2 + int(np.ceil(10.0 * self.delay * self.rate))
+
+    @property
     def waiting(self) -> float:
         """Largest lag of a channel, for which the others wait [s]."""
         return max(0.0, float(self.lags.max()))
@@ -99,9 +101,8 @@ class Alignment:
 
     def begin(self, first: FloatArray) -> tuple[FloatArray, AlignmentMemory]:
         """Come to the first reading (3, n) at constant velocity and torque: aligned reading before it, and memory."""
-        count = 2 + int(np.ceil(HISTORY * self.delay * self.rate))
-        before = np.tile(first, (count, 1, 1))
-        before[:, 0] += np.arange(-count, 0.0)[:, None] / self.rate * first[1]
+        before = np.tile(first, (self.history, 1, 1))
+        before[:, 0] += np.arange(-self.history, 0.0)[:, None] / self.rate * first[1]
         past = np.tile(before[0], (len(self.weights) - 1, 1, 1))
         if self.filters is None:
             rest = AlignmentMemory(past, np.zeros((0, 3, self.n)), np.zeros((0, self.n)))

@@ -15,7 +15,7 @@ from exoid.control.model import ControlModel
 from exoid.errors import NotSupportedError
 from exoid.signals.checks import FASTEST
 
-from .alignment import HISTORY, Alignment, JointFilter
+from .alignment import Alignment, JointFilter
 
 
 def observer_in_c(
@@ -31,13 +31,13 @@ def observer_in_c(
         "b": (np.full(n, one.b[0]), "gain of the observer, 1 - exp(-K T)"),
         "pole": (np.full(n, -one.a[1]), "exp(-K T)"),
     }
-    low_pass, remembered = "no_low_pass", ()
+    low_pass = "no_low_pass"
+    remembered: tuple[ArrayInC, ...] = ()
     if alignment.filters is not None:
         low_pass = "low_pass"
         tables["low_b"] = alignment.filters[0].b, "numerator of the low-pass"
         tables["low_a"] = alignment.filters[0].a, "denominator of the low-pass, the first coefficient 1"
         remembered = (ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))),)
-    count = 2 + int(np.ceil(HISTORY * alignment.delay * rate))
     law = describe(
         model,
         FrictionCompensation("measured", width),
@@ -54,7 +54,7 @@ def observer_in_c(
             "u": "last sum of the torques that change it [N m]",
             "filtered": "memory of the observer [N m]",
         },
-        begin=step_of("observer_begin").replace("{{count}}", str(count)),
+        begin=step_of("observer_begin").replace("{{count}}", str(alignment.history)),
         damping=np.zeros(n),
     )
     return replace(

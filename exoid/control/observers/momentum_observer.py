@@ -24,7 +24,7 @@ from exoid.tools.numbers import checked
 from .alignment import Alignment, AlignmentMemory, JointFilter
 from .in_c import observer_in_c
 from .momentum import MomentumModel
-from .noise import NoiseBand, Residual, SensorNoise
+from .noise import NoiseBand, SensorNoise
 from .readings import ObservedTorque, ObserverReading, observed_log, refuse_contradictions, refuse_readings
 
 
@@ -264,8 +264,7 @@ class MomentumObserver:
     @cached_property
     def band(self) -> NoiseBand:
         """Noise of the reading."""
-        residual = Residual.of(self.source, self.model.n)
-        return NoiseBand.of(self.alignment, self.filter, self.noise, residual, self.false_alarms)
+        return NoiseBand.of(self.alignment, self.filter, self.noise, self.source, self.false_alarms)
 
     @cached_property
     def alignment(self) -> Alignment:

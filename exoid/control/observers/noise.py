@@ -89,26 +89,6 @@ def _white(x: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.mean(np.diff(x, 4, axis=0) ** 2, axis=0) / 70.0))
 
 
-class Residual(NamedTuple):
-    """Residual of an identification as noise of the torque balance, (n,) each."""
-
-    variance: FloatArray  # variance of the residuals, behind the filter of the identification [N²·m²]
-    density: FloatArray  # two-sided power spectral density of white noise with these residuals [N²·m²/Hz]
-    share: float  # share of white torque noise that this filter left, of its variance
-
-    @classmethod
-    def of(cls, source: object, n: int) -> Residual:
-        """Read the residual of an estimate; other models have none."""
-        if not isinstance(source, Estimate):
-            return cls(np.zeros(n), np.zeros(n), 1.0)
-        variance = source.noise_variance
-        if not source.inputs:
-            return cls(variance, variance, 1.0)
-        rate = min(given.sample_rate for given in source.inputs)
-        share = source.preparation.independent_fraction(rate)
-        return cls(variance, variance / (share * rate), share)
-
-
 class NoiseBand(NamedTuple):
     """Variance of a reading by noise: σ_i² = g_τ σ_τ,i² + g_v Σ_j M_ij² σ_v,j² + what the identification left."""
 
@@ -126,11 +106,19 @@ class NoiseBand(NamedTuple):
         alignment: Alignment,
         one: JointFilter,
         noise: SensorNoise | None,
-        residual: Residual,
+        source: object,
         false_alarms: float,
     ) -> NoiseBand:
-        """Compute the gains of the observer's filters."""
+        """Compute the gains of the observer's filters; an estimate adds what its identification left."""
         n, rate = alignment.n, alignment.rate
+        # variance of the residuals behind the filter of the identification, the share of white noise that this filter
+        # left, and the two-sided density of white noise with these residuals [N²·m²/Hz]
+        residual, share = source.noise_variance if isinstance(source, Estimate) else np.zeros(n), 1.0
+        density = residual
+        if isinstance(source, Estimate) and source.inputs:
+            slowest = min(given.sample_rate for given in source.inputs)
+            share = source.preparation.independent_fraction(slowest)
+            density = residual / (share * slowest)
         smoothed = slope = pulse = np.array([1.0])
         if alignment.filters is not None:
             smoothed, slope = (each.impulse_response(pulse) for each in alignment.filters)
@@ -140,10 +128,10 @@ class NoiseBand(NamedTuple):
         responses = [one.impulse_response(np.convolve(a, b)) for a, b in pairs]
         gains = [float(h @ h) for h in responses]
         if noise is None:  # the band of the residuals alone, without detection
-            white = np.maximum(gains[0] * residual.density * rate, residual.variance)
+            white = np.maximum(gains[0] * density * rate, residual)
             return cls(white, np.zeros(n), np.zeros(n), np.inf)
         variances = [for_joints(x, n, "noise") ** 2 for x in (noise.torque, noise.velocity, noise.angle)]
-        left = np.clip(residual.variance - residual.share * variances[0], 0.0, None)
+        left = np.clip(residual - share * variances[0], 0.0, None)
         acting = [h for h, found in zip(responses, variances, strict=True) if found.any()] or responses[:1]
         # the kind of noise that crosses most often decides
         rho = min(float(h[1:] @ h[:-1] / (h @ h)) for h in acting)

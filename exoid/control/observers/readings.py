@@ -18,11 +18,6 @@ from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import TorqueModel
 
-PARTS, MOVED, SCALE, LAG = 10, 0.2, 0.2, 0.003
-"""Tenths of a second for which an angle stands still, way by its velocities that this contradicts [rad]: noise of
-0.1 rad/s is a tenth of it; and error of a velocity's scale: a tachometer behind a low-pass of 5 Hz has 0.07; and
-lag that counts [s]: such a tachometer has 1.7 ms more than its low-pass at low frequencies, which may be told."""
-
 
 class ObserverReading(NamedTuple):
     """Torque that acts on the leg from outside, at one sample, (n,) each.
@@ -117,15 +112,18 @@ def refuse_contradictions(recording: Recording, v: FloatArray, lags: FloatArray)
     part, t = max(1, round(0.1 * recording.sample_rate)), recording.time
     ways = np.diff(recording.q[::part], axis=0)
     turned = np.add.reduceat(v, np.arange(0, len(v), part), axis=0)[:-1] / recording.sample_rate
-    whole = len(ways) // PARTS * PARTS
-    q, path = (np.abs(x[:whole]).reshape(-1, PARTS, x.shape[1]).sum(axis=1) for x in (ways, turned))
-    frozen = np.array(recording.joint_names)[((q == 0.0) & (path > MOVED)).any(axis=0)].tolist()
+    whole = len(ways) // 10 * 10  # an angle is frozen that stands still for a second
+    q, path = (np.abs(x[:whole]).reshape(-1, 10, x.shape[1]).sum(axis=1) for x in (ways, turned))
+    # 0.2 rad by its velocities contradict this: noise of 0.1 rad/s is a tenth of it
+    frozen = np.array(recording.joint_names)[((q == 0.0) & (path > 0.2)).any(axis=0)].tolist()
     wrong = [(name, "the angle is frozen while its velocity is not") for name in frozen]
     on_time = np.column_stack([np.interp(t + lag, t, x) for lag, x in zip(lags, v.T, strict=True)])
     for finding in late_velocities(replace(recording, v=on_time)):
-        if finding.kind == "velocity-scale" and abs(finding.value - 1.0) > SCALE:
+        # a tachometer behind a low-pass of 5 Hz has a scale that is off by 0.07
+        if finding.kind == "velocity-scale" and abs(finding.value - 1.0) > 0.2:
             wrong.append((finding.joint, finding.message))
-        elif finding.kind == "velocity-scale" or abs(finding.value) > LAG:
+        # and 1.7 ms more lag than its low-pass at low frequencies, which may be told
+        elif finding.kind == "velocity-scale" or abs(finding.value) > 0.003:
             what = f"{finding.joint}: {finding.message}; give the observer velocity_delay=, or no velocities"
             warnings.warn(what, UserWarning, stacklevel=3)
     for name, what in wrong[:1]:

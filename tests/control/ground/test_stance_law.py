@@ -129,7 +129,7 @@ def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
     law = replace(law, margin=-10.0)
     target = target_of(state)
     command = law.command(state, target)
-    dynamics = law.model.dynamics(state.q, state.v, 0.1, 0.2)
+    M, _ = law.model.dynamics(state.q, state.v, 0.1, 0.2)
     rows = law.model.contact("left_foot", "flat", (state.q, state.v, 0.1, 0.2), (1.0, 0.0, 0.0))
     error = np.append(target.q - state.q, target.pitch - state.pitch)
     rate = np.append(target.v - state.v, target.pitch_rate - state.pitch_rate)
@@ -139,7 +139,7 @@ def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
     KKT = np.block([[np.diag(size**2), rows.J.T], [rows.J, np.zeros((3, 3))]])
     best = np.linalg.solve(KKT, np.concatenate([size**2 * wanted, -rows.drift]))[:9]
     assert np.allclose(best, command.acceleration, atol=1e-3)  # apart from the weight of the effort
-    assert dynamics.M.shape == (9, 9)
+    assert M.shape == (9, 9)
 
 
 def test_forces_stay_in_cone_and_sole_and_torque_within_limits(machine):
