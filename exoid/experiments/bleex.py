@@ -53,42 +53,23 @@ def static_sets(rng: np.random.Generator, poses: int = 100) -> StaticSets:
     """Choose the sets of poses that document 1 describes, and random poses."""
     if poses < 1:
         raise BadArgumentError(f"{poses} random poses", remedy="request at least one")
-    ankle, ankle_set = _ankle_sets()
-    knee, knee_set = _knee_sets()
-    lower, upper = np.deg2rad([-1.0, -112.0, -36.0]), np.deg2rad([112.0, -9.0, 36.0])
-    return StaticSets(ankle, ankle_set, knee, knee_set, _pairs(), rng.uniform(lower, upper, (poses, 3)))
-
-
-def _ankle_sets() -> tuple[FloatArray, FloatArray]:
-    """Three values of θ123, each with varying θ3; hip and knee share the remaining angle within their limits."""
-    poses, of_set = [], []
-    for index, total in enumerate(np.deg2rad([-40.0, -10.0, 20.0])):
+    ankles, knees, pairs = [], [], []  # each pose of the first two with the number of its set
+    for index, total in enumerate(np.deg2rad([-40.0, -10.0, 20.0])):  # θ123; hip and knee share what θ3 leaves
         for ankle in np.deg2rad(np.linspace(-38.0, 38.0, 9)):
             hip = np.clip(total - ankle + np.deg2rad(45.0), np.deg2rad(5.0), np.deg2rad(100.0))
-            poses.append((hip, total - ankle - hip, ankle))
-            of_set.append(index)
-    return np.array(poses), np.array(of_set, dtype=np.float64)
-
-
-def _knee_sets() -> tuple[FloatArray, FloatArray]:
-    """Three values of θ12, each with θ2 varying as far as the range of the hip allows."""
-    poses, of_set = [], []
-    for index, total in enumerate(np.deg2rad([-45.0, -20.0, 0.0])):
+            ankles.append((hip, total - ankle - hip, ankle, index))
+    for index, total in enumerate(np.deg2rad([-45.0, -20.0, 0.0])):  # θ12; θ2 varies as far as the hip allows
         for knee in np.deg2rad(np.linspace(-105.0, -8.0, 9)):
             if np.deg2rad(-2.0) <= total - knee <= np.deg2rad(112.0):
-                poses.append((total - knee, knee, np.deg2rad(5.0)))
-                of_set.append(index)
-    return np.array(poses), np.array(of_set, dtype=np.float64)
-
-
-def _pairs() -> FloatArray:
-    """Low θ12 with the leg back and the knee bent, then 180° more with the hip far forward and the knee straight."""
-    poses = []
+                knees.append((total - knee, knee, np.deg2rad(5.0), index))
     for ankle in np.deg2rad(np.linspace(-30.0, 30.0, 7)):
-        for low in np.deg2rad([-80.0, -76.0, -72.0]):
-            poses.append((np.deg2rad(20.0), low - np.deg2rad(20.0), ankle))
-            poses.append((np.deg2rad(111.0), low + np.pi - np.deg2rad(111.0), ankle))
-    return np.array(poses)
+        for low in np.deg2rad([-80.0, -76.0, -72.0]):  # leg back and knee bent, then hip forward and knee straight
+            pairs.append((np.deg2rad(20.0), low - np.deg2rad(20.0), ankle))
+            pairs.append((np.deg2rad(111.0), low + np.pi - np.deg2rad(111.0), ankle))
+    (ankle, ankle_set), (knee, knee_set) = ((rows[:, :3], rows[:, 3]) for rows in map(np.array, (ankles, knees)))
+    lower, upper = np.deg2rad([-1.0, -112.0, -36.0]), np.deg2rad([112.0, -9.0, 36.0])
+    random = rng.uniform(lower, upper, (poses, 3))
+    return StaticSets(ankle, ankle_set, knee, knee_set, np.array(pairs), random)
 
 
 CENTRE = np.deg2rad([30.0, -45.0, 0.0])

@@ -26,11 +26,8 @@ from .precision import Information, Precision, information_of, on_ground, suppor
 from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states
 from .text import prediction_text
 
-DURATION, RATE = 20.0, 100.0
-"""Duration [s] and rate [Hz] of each experiment."""
-
-SLOW, FAST = 0.1, 0.8
-"""Frequencies of a slow sweep and of a fast swing [Hz]."""
+DURATION = 20.0
+"""Duration of each experiment [s]."""
 
 
 class Advice(NamedTuple):
@@ -173,7 +170,8 @@ def _advise(
 def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str, Recording]]:
     """Candidate experiments, the simplest first."""
     leg, n = model.leg, len(model.leg.joint_names)
-    time = np.arange(round(DURATION * RATE) + 1) / RATE
+    time = np.arange(round(100.0 * DURATION) + 1) / 100.0
+    slow, fast = 0.1, 0.8  # frequencies of a sweep and of a swing [Hz]
     middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * limits.span
 
     def recording(amplitude: FloatArray, frequency: FloatArray, torso: TorsoMotion | None = None) -> Recording:
@@ -192,19 +190,19 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
     for j, name in enumerate(leg.joint_names):
         only = np.eye(n)[j]
         yield (
-            f"swing {name} quickly, ±{swing[j] / units[j].size:.0f}{units[j].name} at {FAST:g} Hz",
-            recording(only * swing, FAST * ones),
+            f"swing {name} quickly, ±{swing[j] / units[j].size:.0f}{units[j].name} at {fast:g} Hz",
+            recording(only * swing, fast * ones),
         )
-        yield f"sweep {name} slowly over its whole range, at {SLOW:g} Hz", recording(only * half, SLOW * ones)
-    yield "sweep all joints slowly over their ranges, each at its own frequency", recording(half, SLOW * shift)
+        yield f"sweep {name} slowly over its whole range, at {slow:g} Hz", recording(only * half, slow * ones)
+    yield "sweep all joints slowly over their ranges, each at its own frequency", recording(half, slow * shift)
     yield (
-        f"swing all joints quickly, each at its own frequency from {FAST:g} Hz",
-        recording(np.minimum(amplitude, half), FAST * shift),
+        f"swing all joints quickly, each at its own frequency from {fast:g} Hz",
+        recording(np.minimum(amplitude, half), fast * shift),
     )
     if leg.limbs:
         yield (
             f"tilt the torso by {np.rad2deg(tilt):.0f}° and sweep all joints slowly",
-            recording(half, SLOW * shift, TorsoMotion(pitch=tilt)),
+            recording(half, slow * shift, TorsoMotion(pitch=tilt)),
         )
 
 

@@ -86,7 +86,7 @@ class Information(NamedTuple):
     def plus(self, other: Information) -> Information:
         """Combine the information of independent rows."""
         return Information(
-            _r_factor(self.r_factor, other.r_factor),
+            np.asarray(np.linalg.qr(np.vstack([self.r_factor, other.r_factor]), mode="r")),
             self.score_covariance + other.score_covariance,
             self.duration + other.duration,
         )
@@ -130,7 +130,7 @@ def information_of(
     for recording in recordings:
         duration += recording.duration * (1.0 if recording.mask is None else float(np.mean(recording.mask)))
         for W, filtered in _rows(model, recording, noise, preparation):
-            R = _r_factor(R, W)
+            R = np.asarray(np.linalg.qr(np.vstack([R, W]), mode="r"))
             score_covariance += filtered.T @ filtered
     return Information(R, score_covariance, duration)
 
@@ -158,17 +158,14 @@ def supports_during(
         yield SupportModel.of(model, links, q[:: 1 + len(q) // 2000]), parts
 
 
-def _r_factor(*blocks: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.qr(np.vstack(blocks), mode="r"))
-
-
 def _rows(
     model: TorqueModel, recording: Recording, noise: TorqueNoise, preparation: Preparation
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Weighted rows W̃ of each joint, and Fᵀ W̃."""
     recording = model.select(recording).resampled()
     rate, of_joints = recording.sample_rate, noise.per_sample(recording.sample_rate)
-    for block in _blocks(recording):
+    edges = np.linspace(0, len(recording), max(1, round(len(recording) / BLOCK)) + 1).astype(int).tolist()
+    for block in (recording.slice(*ends) for ends in pairwise(edges)):
         q, v, a, valid = preparation.kinematics(block)
         inside = np.zeros(len(q), dtype=np.bool_)
         inside[valid] = True if block.mask is None else block.mask[valid]
@@ -193,9 +190,3 @@ def _rows(
         for row in range(max(len(whole), len(scores))):
             weighted = whole[row][use[:, row]] if row < len(whole) else np.zeros((0, W.shape[2]))
             yield weighted, np.asarray(scores[row]) if row < len(scores) else weighted[:0]
-
-
-def _blocks(recording: Recording) -> Iterator[Recording]:
-    count = max(1, round(len(recording) / BLOCK))
-    edges = np.linspace(0, len(recording), count + 1).astype(int)
-    return (recording.slice(int(b), int(e)) for b, e in pairwise(edges))

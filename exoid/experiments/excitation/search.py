@@ -47,10 +47,17 @@ def search(
         if fitting is not None:
             finished.append((objective(fitting, Stage(later[-1].power, 0.0))[0], fitting))
     if not finished:
-        raise _no_motion(objective, x)
+        motions = enumerate(objective.coefficients(x))
+        excesses = np.sum([objective.excesses_of(k, _fine(objective, one)) for k, one in motions], axis=0)
+        worst = objective.limit_names[int(np.argmax(excesses))]
+        raise BadArgumentError(
+            f"no motion was found within the limits; the {worst} limit is exceeded most",
+            where=objective.model.leg.description.name,
+            remedy=f"widen the {worst} limit or the angles, or use more starts",
+        )
     _, best = min(finished, key=lambda each: each[0])
-    motions = zip(objective.coefficients(best), objective.pitches, strict=True)
-    return tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in motions)
+    tilted = zip(objective.coefficients(best), objective.pitches, strict=True)
+    return tuple(objective.basis.motion(x, objective.seconds, float(pitch)) for x, pitch in tilted)
 
 
 def _minimise(objective: Objective, x: FloatArray, stage: Stage) -> tuple[float, FloatArray]:
@@ -77,14 +84,3 @@ def _within_limits(objective: Objective, x: FloatArray) -> FloatArray | None:
 def _fine(objective: Objective, x: FloatArray) -> States:
     samples = 10 * len(objective.basis.position)  # a grid so much finer than that of the search
     return objective.basis.motion(x, objective.seconds, 0.0).period_samples(samples)
-
-
-def _no_motion(objective: Objective, x: FloatArray) -> BadArgumentError:
-    """Error that names the limit which the motion exceeds most."""
-    each = [objective.excesses_of(k, _fine(objective, one)) for k, one in enumerate(objective.coefficients(x))]
-    worst = objective.limit_names[int(np.argmax(np.sum(each, axis=0)))]
-    return BadArgumentError(
-        f"no motion was found within the limits; the {worst} limit is exceeded most",
-        where=objective.model.leg.description.name,
-        remedy=f"widen the {worst} limit or the angles, or use more starts",
-    )

@@ -39,10 +39,6 @@ TILT_DEG = (
 """Phases of the stride and angles of the sole to the ground [deg], an assumption: heel strike, flat, toe-off, swing."""
 
 
-SCALE, SUPPORT = 0.9, 0.2
-"""Factor of the amplitudes of the stride about its mean, and share of the weight that the harness bears."""
-
-
 def walking(plant: GroundPlant, duration: float = 30.0, *, period: float = 1.4) -> GroundRun:
     """Let a machine walk in a harness whose carriage moves over the ground, which is the same as a treadmill.
 
@@ -63,7 +59,7 @@ def walking(plant: GroundPlant, duration: float = 30.0, *, period: float = 1.4) 
     """
     time, legs = knots(duration), planar_legs(plant)
     phase = np.linspace(0.0, 1.0, 400, endpoint=False)
-    flexion = fit_harmonics(period * phase, healthy_flexion(phase, SCALE), period, 8)
+    flexion = fit_harmonics(period * phase, healthy_flexion(phase, 0.9), period, 8)
     q = _walking_angles(plant.leg, legs, time, flexion, period)
     base = np.zeros((len(time), 3))
     places = {leg.foot: leg.points(base, q) for leg in legs}
@@ -81,8 +77,9 @@ def walking(plant: GroundPlant, duration: float = 30.0, *, period: float = 1.4) 
         height = np.maximum(foot.imag.min(axis=1), 0.0)
         lift = 0.015 * height / (height + NEAR)  # [m] while it swings: soles are longer than feet, and legs yield
         q[:, leg.joints] = leg.angles(base, foot.mean(axis=1) + 1j * lift, tilt)
-    motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - SUPPORT)
-    raised = base + np.array([0.0, SUPPORT * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
+    support = 0.2  # share of the weight that the harness bears
+    motion = planned_motion(plant, time, q, base, bearing, held=True, borne=1.0 - support)
+    raised = base + np.array([0.0, support * GRAVITY * total_mass(plant) / HARNESS.stiffness[2], 0.0])
     motion = replace(motion, base=raised)  # the carriage is above the torso that hangs on it
     return follow(plant, motion, GAINS, spring=HARNESS)
 
