@@ -4,7 +4,7 @@ from exoid.leg.payload import Payload
 
 from .actuators import Actuator, HydraulicServo, IdealTorque, StepTorque
 from .bodies import limb_of, plant_with_payloads
-from .controllers import Controller, Proportional, ProportionalDerivative, Reference, Target
+from .controllers import Controller, ProportionalDerivative, Reference, Target
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors
@@ -20,7 +20,6 @@ __all__ = [
     "IdealTorque",
     "Payload",
     "Plant",
-    "Proportional",
     "ProportionalDerivative",
     "Rates",
     "Reference",

@@ -61,33 +61,18 @@ class Controller(Protocol):
 
 
 @dataclass(frozen=True)
-class Proportional(Controller):
-    """P control u = K (θ_ref − θ), used in both documents.
-
-    Document 2 prints the opposite sign, which is positive feedback.
-
-    Attributes:
-        gain: Gain K in command per radian, a number, (n,) or (n, B).
-    """
-
-    gain: ArrayLike
-
-    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Compute u, see the class."""
-        return _gains(self.gain) * (target.q - q)
-
-
-@dataclass(frozen=True)
 class ProportionalDerivative(Controller):
-    """PD control u = Kp (θ_ref − θ) + Kd (θ̇_ref − θ̇) (doc. 2, eq. (24)).
+    """PD control u = Kp (θ_ref − θ) + Kd (θ̇_ref − θ̇) (doc. 2, eq. (24)), or P control as in both documents.
+
+    Document 2 prints P control with the opposite sign, which is positive feedback.
 
     Attributes:
         stiffness: Gain Kp in command per radian, a number, (n,) or (n, B).
-        damping: Gain Kd in command per radian a second, a number, (n,) or (n, B).
+        damping: Gain Kd in command per radian a second, a number, (n,) or (n, B); 0 for P control.
     """
 
     stiffness: ArrayLike
-    damping: ArrayLike
+    damping: ArrayLike = 0.0
 
     def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """Compute u, see the class."""

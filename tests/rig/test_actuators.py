@@ -6,7 +6,7 @@ from rigs import BLEEX, EVERYTHING, Swing
 
 import exoid
 from exoid.experiments import Hold
-from exoid.rig import HydraulicServo, IdealTorque, Plant, Proportional, Rates, Stepper, Target, simulate
+from exoid.rig import HydraulicServo, IdealTorque, Plant, ProportionalDerivative, Rates, Stepper, Target, simulate
 
 pytestmark = pytest.mark.slow
 
@@ -47,7 +47,7 @@ def servo_run(leakage, duration, *, gain=KV, load=0.0, step=2.5e-4, amplitude=0.
     servo = HydraulicServo(KH, leakage, gain)
     start = np.full((1, 1), 1e-3 if load == 0.0 and amplitude == 0.0 else 0.0)
     rates = Rates(control=1.0 / step, log=200.0, step=step)
-    return simulate(plant, Sine(), Proportional(1.0), servo, duration, start=start, rates=rates)
+    return simulate(plant, Sine(), ProportionalDerivative(1.0), servo, duration, start=start, rates=rates)
 
 
 def test_static_stiffness_of_the_servo_is_valve_gain_over_leakage():
@@ -85,7 +85,7 @@ def test_proportional_control_with_the_printed_sign_runs_away():
     pose, start = np.deg2rad([[20.0], [20.0]]), np.deg2rad([[21.0], [21.0]])
     distances = []
     for gain in (150.0, -150.0):
-        run = simulate(plant, Hold(pose), Proportional(gain), IdealTorque(), 1.0, start=start)
+        run = simulate(plant, Hold(pose), ProportionalDerivative(gain), IdealTorque(), 1.0, start=start)
         distances.append(np.abs(run.q[-1] - pose).max())
     assert distances[0] < np.deg2rad(10.0)
     assert distances[1] > np.deg2rad(20.0)  # at the end stops
@@ -96,8 +96,8 @@ def test_energy_balances(actuator):
     """Work in = gain of mechanical energy + dissipated, to 1e-4 of the turnover."""
     plant = Plant.build(BLEEX, EVERYTHING)
     law, drive = {
-        "ideal": (Proportional(150.0), IdealTorque()),
-        "servo": (Proportional(1.0), HydraulicServo(KH, CL, KV)),
+        "ideal": (ProportionalDerivative(150.0), IdealTorque()),
+        "servo": (ProportionalDerivative(1.0), HydraulicServo(KH, CL, KV)),
     }[actuator]
     run = simulate(plant, Swing(), law, drive, 20.0, rates=Rates(step=2e-3))
     assert np.ptp(run.q, axis=0).min() > 0.05

@@ -18,7 +18,6 @@ from exoid.rig import (
     IdealTorque,
     Payload,
     Plant,
-    Proportional,
     ProportionalDerivative,
     Rates,
     Sensors,
@@ -46,7 +45,7 @@ class Never:
 
 
 def run(plant=STIFF, duration=1.0, reference=None, law=None, actuator=None, **options):
-    law, actuator = law or Proportional(1.0), actuator or HydraulicServo(5e3, 0.01, 10.0)
+    law, actuator = law or ProportionalDerivative(1.0), actuator or HydraulicServo(5e3, 0.01, 10.0)
     return simulate(plant, reference or Swing(), law, actuator, duration, **{"rates": Rates(step=1e-3), **options})
 
 
@@ -81,11 +80,12 @@ REFUSED = {
         ("stiffness", lambda: HydraulicServo(0.0)),
         (
             "leakage",
-            lambda: run(
-                law=Proportional(1.0), reference=Hold(POSE), duration=20.0, actuator=HydraulicServo(5e3, 0.0, 40.0)
-            ),
+            lambda: run(reference=Hold(POSE), duration=20.0, actuator=HydraulicServo(5e3, 0.0, 40.0)),
         ),
-        ("diverged", lambda: run(law=Proportional(-1e6), actuator=IdealTorque(), rates=Rates(np.inf, 100.0, 2e-3))),
+        (
+            "diverged",
+            lambda: run(law=ProportionalDerivative(-1e6), actuator=IdealTorque(), rates=Rates(np.inf, 100.0, 2e-3)),
+        ),
         ("2 rigs", lambda: Stepper(Plant.build(spatial_leg()).repeat(2), np.zeros((3, 2)), np.zeros((3, 2)), 1e-3)),
         ("encoder", lambda: Sensors(encoder_counts=0.0)),
         ("angle_noise", lambda: Sensors(angle_noise=-1e-3)),
@@ -98,7 +98,7 @@ REFUSED = {
         *(("duration", lambda x=x: run(duration=x)) for x in (0.0, -1.0, np.nan, np.inf)),
         *(("shape", lambda x=x: run(start=np.zeros(x))) for x in ((2, 1), (3, 4))),
         ("left_knee", lambda: run(Plant.build(BLEEX), start=(0.3, 0.5, 0.1))),
-        ("command", lambda: run(law=Proportional(np.ones((3, 4))))),
+        ("command", lambda: run(law=ProportionalDerivative(np.ones((3, 4))))),
         ("c0_toe", lambda: Plant.build(BLEEX, {"c0_toe": 1.0})),
         *(("negative", lambda x=x: Plant.build(BLEEX, {x: -0.1})) for x in ("c0_hip", "Ia_hip")),
         ("kinetic", lambda: Plant.build(BLEEX, {"c0_hip": 1.0, "cs_hip": 0.5})),

@@ -5,7 +5,7 @@ import pytest
 from rigs import BLEEX, EVERYTHING, FRICTION, Swing
 
 from exoid import ExoidError
-from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Sensors, simulate
+from exoid.rig import HydraulicServo, Plant, ProportionalDerivative, Rates, Sensors, simulate
 from exoid.rig.sensors import read_angle, read_torque, read_velocity
 
 SERVO = HydraulicServo(5000.0, 0.01, 10.0)
@@ -15,7 +15,7 @@ NOISY = Sensors(encoder_counts=2.0**14, angle_noise=1e-4, velocity_noise=0.01, t
 
 def run(plant=PLANT, duration=1.0, **options):
     options = {"rates": Rates(step=1e-3), **options}
-    return simulate(plant, options.pop("reference", Swing()), Proportional(1.0), SERVO, duration, **options)
+    return simulate(plant, options.pop("reference", Swing()), ProportionalDerivative(1.0), SERVO, duration, **options)
 
 
 def test_an_encoder_counts():

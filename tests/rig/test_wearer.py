@@ -18,7 +18,6 @@ from exoid.rig import (
     HydraulicServo,
     IdealTorque,
     Plant,
-    Proportional,
     ProportionalDerivative,
     Rates,
     Sensors,
@@ -172,7 +171,7 @@ def test_no_cuff_no_interaction():
 @pytest.mark.parametrize("actuator", [IdealTorque(), HydraulicServo(5000.0, 0.01, 10.0)])
 def test_no_energy_comes_from_nowhere(kind, actuator):
     """Leg, limb, cuffs and muscles, with sticking joints: as good as the rig alone."""
-    drive = PD if isinstance(actuator, IdealTorque) else Proportional(1.0)
+    drive = PD if isinstance(actuator, IdealTorque) else ProportionalDerivative(1.0)
     run = worn(STICKING, WEARERS[kind], 3.0, controller=drive, actuator=actuator, rates=Rates(500.0, 50.0, 5e-4))
     assert run.energy.relative_error[0] < 1e-5
     assert run.energy.dissipated[0] > 1.0

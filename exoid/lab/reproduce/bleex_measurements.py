@@ -12,7 +12,7 @@ from exoid.experiments import Bench, Harmonics, StaticProtocol, bleex, run_stati
 from exoid.experiments.bench import run_motion
 from exoid.leg.catalog import load_leg
 from exoid.leg.published import bleex_parameters, bleex_resistances
-from exoid.rig import HydraulicServo, Plant, Proportional, Rates, Run, Sensors
+from exoid.rig import HydraulicServo, Plant, ProportionalDerivative, Rates, Run, Sensors
 from exoid.rig.sensors import read_angle
 from exoid.signals import Approaches, Poses, Recording
 
@@ -23,7 +23,7 @@ ASSUMED_HIP: Mapping[str, Mapping[str, float]] = {
 """Assumed stiffness and friction of the hip, which the document takes as zero without a reason."""
 
 BENCH = Bench(
-    controller=Proportional(1.0),
+    controller=ProportionalDerivative(1.0),
     actuator=HydraulicServo(stiffness=5000.0, leakage=0.01, valve_gain=10.0),
     sensors=Sensors(encoder_counts=2.0**16, torque_noise=(0.3, 0.2, 0.1)),
     rates=Rates(control=500.0, log=bleex.LOG_RATE, step=1e-3),

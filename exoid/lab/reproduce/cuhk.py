@@ -17,7 +17,7 @@ from exoid.identification import identify
 from exoid.leg.catalog import load_leg
 from exoid.leg.leg import Leg
 from exoid.leg.published import cuhk_parameters, cuhk_resistances
-from exoid.rig import IdealTorque, Plant, Proportional, ProportionalDerivative, Rates
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates
 from exoid.signals import MovingAverage, Poses, Preparation, Recording, ZeroPhase
 from exoid.tools.json_values import named
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
@@ -105,7 +105,7 @@ def reproduce_cuhk(
     leg = load_leg("cuhk")
     plant = Plant.build(leg, truth_values()).repeat(replicates)
     # P control of document 2 with the corrected sign and an assumed gain
-    bench = Bench(Proportional(SERVOS["document"][0]), MOTOR, SENSORS, RATES)
+    bench = Bench(ProportionalDerivative(SERVOS["document"][0]), MOTOR, SENSORS, RATES)
     approach = StaticProtocol(travel=4.0, wait=10.0)
     poses = [run_static(plant, p, bench, rng, approach) for p in (cuhk.stiffness_poses(), cuhk.random_poses(rng))]
     report(0.2)
