@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,8 @@ class Feedforward(NamedTuple):
     step: str  # {{feedback}} is Kp (q_d - q) + Kd (v_d - v) of joint j, {{friction}} what compensates friction
     calls: tuple[Needed, ...] = ("inverse_dynamics",)
     inputs: tuple[InputInC, ...] = MOTION
-    gains: tuple[str, ...] = ("Kp [N m/rad]", "Kd [N m s/rad]")  # tables in C: kp and kd, or only share
+    # comment of the table of each gain in C
+    gains: Mapping[str, str] = MappingProxyType({"kp": "Kp [N m/rad]", "kd": "Kd [N m s/rad]"})
     # damping of the safe torque from kd; None for the default gain of controllers
     damping: Callable[[TrackingLaw, FloatArray], FloatArray | None] = lambda law, kd: kd
 
@@ -93,7 +95,7 @@ FEEDFORWARDS = {
         tau[j] += friction[j];
     }
 """,
-        gains=("kp [1/s^2]", "kd [1/s]"),
+        gains={"kp": "kp [1/s^2]", "kd": "kd [1/s]"},
         damping=lambda law, kd: kd * np.diagonal(law.known.mass_matrix(np.zeros(law.known.n))),
     ),
     "measured": Feedforward(
@@ -104,7 +106,7 @@ FEEDFORWARDS = {
         ),
         "tau = K (q_d - q) + D (v_d - v) + M(q) a_d + C(q, v) v + G(q) + springs(q){friction}",
         INVERSE_DYNAMICS.replace("in->q_d, in->v_d", "in->q, in->v"),
-        gains=("K [N m/rad]", "D [N m s/rad]"),
+        gains={"kp": "K [N m/rad]", "kd": "D [N m s/rad]"},
         damping=lambda law, kd: None,
     ),
     "optimal": Feedforward(
@@ -121,12 +123,12 @@ FEEDFORWARDS = {
     for (j = 0; j < {{N}}; ++j) {
         tau[j] += friction[j];
         for (k = 0; k < {{N}}; ++k) {
-            tau[j] += {{p}}_kp[j][k] * (in->q_d[k] - in->q[k]);
-            tau[j] += {{p}}_kd[j][k] * (in->v_d[k] - in->v[k]);
+            tau[j] += {{p}}_gain[j][k] * (in->q_d[k] - in->q[k]);
+            tau[j] += {{p}}_gain[j][{{N}} + k] * (in->v_d[k] - in->v[k]);
         }
     }
 """,
-        gains=("K of angles [N m/rad]", "K of velocities [N m s/rad]"),
+        gains={"gain": "K [N m/rad, N m s/rad]"},
         damping=lambda law, kd: None,
     ),
     "share": Feedforward(
@@ -144,7 +146,7 @@ FEEDFORWARDS = {
 """,
         ("gravity", "springs"),
         (),
-        ("share of the weight",),
+        {"share": "share of the weight"},
         lambda law, kd: None,
     ),
 }
@@ -200,11 +202,10 @@ class TrackingLaw:
         if self.model is None and not sizes:
             raise BadArgumentError("PD control of an unknown number of joints", remedy="give one gain for each joint")
         n = sizes[0] if self.model is None else self.model.n
-        kp, kd = self.kp, self.kd
-        if self.feedforward != "optimal":
-            kp, kd = for_joints(kp, n, "kp"), for_joints(kd, n, "kd")
-        names = ("share",) if self.feedforward == "share" else ("kp", "kd")
-        tables = {name: (gain, what) for name, gain, what in zip(names, (kp, kd), kind.gains, strict=False)}
+        full = self.feedforward == "optimal"  # (n, n) each, and one table in C
+        kp, kd = (gain if full else for_joints(gain, n, name) for gain, name in ((self.kp, "kp"), (self.kd, "kd")))
+        numbers = [np.hstack([kp, kd])] if full else [kp, kd]
+        tables = {name: (gain, what) for (name, what), gain in zip(kind.gains.items(), numbers, strict=False)}
         step = kind.step.replace("{{feedback}}", FEEDBACK)
         if self.model is None:
             arrays = tuple(ArrayInC(name, what, gain) for name, (gain, what) in tables.items())
