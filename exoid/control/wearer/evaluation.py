@@ -44,12 +44,12 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         torque, variance = compared.predicted - compared.measured, compared.variance
         return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)
     model, count, leg = estimate.band_model, len(estimate.values), len(estimate.model.leg.parameter_names)
-    rubbing, name, (dry, speed) = estimate.model.friction, recording.file_name, _dry_friction(estimate)
+    rubbing, name = estimate.model.friction, recording.file_name
     prepared, data = prepare(estimate.model, recording, preparation, every=True), estimate.model.select(recording)
     prepared = prepared._replace(motion=model.with_states(prepared.motion))
     noise = bandwidth * estimate.noise_variance
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)
-    unknown, bodies, parts = _unknown_friction(estimate, prepared, speed), np.zeros((leg + 1, leg + 1)), []
+    (unknown, dry), bodies, parts = _unknown_friction(estimate, prepared), np.zeros((leg + 1, leg + 1)), []
     for stretch, rows in zip(prepared.stretches(), each_row(model, prepared), strict=True):
         keep, share = _at_ends(prepared, stretch, unknown)
         W, tau, share = rows.W[keep], rows.tau[keep], share[keep]
@@ -87,23 +87,18 @@ def _at_ends(prepared: Prepared, stretch: range, unknown: FloatArray) -> tuple[F
     return (gain > 1.0 - SETTLED)[counted], share[counted]
 
 
-def _dry_friction(estimate: EstimateData) -> FloatArray:
-    """Coulomb friction of each joint [N·m], and the speed below which it may stick [rad/s], (2, n)."""
-    values, dry = dict(zip(estimate.names, estimate.values, strict=True)), np.zeros((2, len(estimate.joint_names)))
+def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> tuple[FloatArray, FloatArray]:
+    """How unknown friction is at each sample, (n, N), 1 at reversals and rest; Coulomb friction [N·m], (n,)."""
+    # A joint that rests may have any friction up to that of sliding. The faster it moves, the less likely it sticks.
+    v, values = prepared.motion.v, dict(zip(estimate.names, estimate.values, strict=True))
+    dry, speed = np.zeros((2, v.shape[1]))  # of sliding, and speed below which a joint may stick [rad/s]
     for block in estimate.model.blocks:
         if isinstance(block.term, Coulomb):
-            whole = abs(sum(values.get(name, 0.0) for name in block.names))
-            dry[:, list(block.joints)] += [[whole], [block.term.reversal_speed]]
-    return dry
-
-
-def _unknown_friction(estimate: EstimateData, prepared: Prepared, speed: FloatArray) -> FloatArray:
-    """How unknown friction is at each sample, (n, N): 1 at reversals and rest, 0 from the reversal speed."""
-    # A joint that rests may have any friction up to that of sliding. The faster it moves, the less likely it sticks.
-    v = prepared.motion.v
+            dry[list(block.joints)] += abs(sum(values.get(name, 0.0) for name in block.names))
+            speed[list(block.joints)] += block.term.reversal_speed
     slow = estimate.model.reversing(v)
     if slow is None:
-        return np.zeros_like(v.T)
+        return np.zeros_like(v.T), dry
     turns = np.zeros(v.shape, dtype=np.bool_)
     turns[1:] = v[1:] * v[:-1] < 0.0
     turns[:-1] |= turns[1:]
@@ -111,4 +106,4 @@ def _unknown_friction(estimate: EstimateData, prepared: Prepared, speed: FloatAr
     slow |= np.abs(v) < speed
     highest = np.max(np.abs(v), axis=0, where=slow & ~turns, initial=1e-12)
     share = np.where(turns, 1.0, np.clip(1.0 - np.abs(v) / highest, 0.0, 1.0))
-    return np.ascontiguousarray(np.where(slow, share, 0.0).T)
+    return np.ascontiguousarray(np.where(slow, share, 0.0).T), dry
