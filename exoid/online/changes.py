@@ -33,9 +33,6 @@ from .state import WARM_UP, Detector, State
 WINDOW, SLIP = 1.0, 10.0
 """Time constant of the discounted sums of innovations, and time for which a suspicion may be a jump of an angle [s]."""
 
-CLEARLY = 30.0
-"""Difference of two likelihood ratios that tells hypotheses apart: 2 ln(1/p) for p = 3e-7."""
-
 TORN, BENT = 4.0, 0.01
 """Collected rows are of several changes once their mean squared residual is so many times that before the change, and
 this part of what changed: what the low-pass bends and the encoder rounds grows with a load, to a tenth of it."""
@@ -105,12 +102,13 @@ def judge(settings: Settings, state: State) -> Verdict:
     # A further parameter has to bring five times the mean statistic
     worth = np.where(ratios > 1.0, (statistics - 5.0 * unit) * detection.dimensions, -np.inf)
     best = int(np.argmax(worth)) if (ratios > 1.0).any() else -1
-    candidates = tuple(np.flatnonzero(worth > worth[best] - CLEARLY * unit).tolist()) if best >= 0 else ()
+    clearly = 30.0  # difference of two likelihood ratios that tells hypotheses apart: 2 ln(1/p) for p = 3e-7
+    candidates = tuple(np.flatnonzero(worth > worth[best] - clearly * unit).tolist()) if best >= 0 else ()
     if best >= 0:  # what follows a slip of an encoder may be the slip
         recent = state.samples - detector.crossing * settings.block - state.slips < SLIP * settings.rate
         candidates = tuple(sorted({*candidates, *np.array(faults)[settings.n : 2 * settings.n][recent].tolist()}))
     lacking = explained - float((statistics * detection.dimensions)[list(candidates)].max(initial=0.0))
-    complete = lacking < (CLEARLY + 5.0 * len(moving)) * unit
+    complete = lacking < (clearly + 5.0 * len(moving)) * unit
     torn = left > TORN and changed - everything > BENT * changed and independent > 2.0 * len(moving)
     column = detection.hypotheses[best].basis[:, 0]
     size = float(score @ column / (column @ energy @ column)) if best in faults else math.nan

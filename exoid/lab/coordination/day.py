@@ -38,9 +38,6 @@ MACHINES: Mapping[str, Callable[[], GroundPlant]] = {"bleex": bleex_machine, "cu
 GAINS = {3: WALKING, 2: JointGains(stiffness=(1000.0, 800.0), damping=(40.0, 30.0))}
 """Gains of the servo by the number of joints of a leg: those of walking in a harness."""
 
-SUPPORT = 0.2
-"""Share of the weight that crutches or a harness bear, whose force is logged; an assumption."""
-
 SEAT_HEIGHT, RISER, TREAD, STEPS = 0.45, 0.17, 0.29, 12
 """Height of the chair [m], size of the steps [m] and their number."""
 
@@ -107,10 +104,10 @@ def run_function(plant: GroundPlant, name: str, seconds: float, rng: np.random.G
         back = np.exp(-1j * options["angle"]) * (base[:, 0] + 1j * base[:, 1])
         base = np.column_stack([back.real, back.imag, base[:, 2] - options["angle"]])
     where = _ground(plant, name, body, options)
-    q, bears = joint_angles(plant.leg, flexion), 1.0 - SUPPORT
+    q, support = joint_angles(plant.leg, flexion), 0.2  # share that crutches or a harness bear, an assumption
     feet = {} if name == "swing" else _bearings(where, function, phase, flexion, base)
-    motion = planned_motion(where, time, q, base, feet, held=True, borne=bears)
-    lift = (1.0 if name == "swing" else SUPPORT) * GRAVITY * total_mass(plant) / HARNESS.stiffness[2]
+    motion = planned_motion(where, time, q, base, feet, held=True, borne=1.0 - support)
+    lift = (1.0 if name == "swing" else support) * GRAVITY * total_mass(plant) / HARNESS.stiffness[2]
     motion = replace(motion, base=base + np.array([0.0, lift, 0.0]))  # the carriage is above the torso that hangs on it
     run = simulate_on_ground(where, motion, GAINS[plant.leg.limbs[0].chain.n], spring=HARNESS)
     return Episode(function, run, np.interp(run.time, time, phase), scipy.interpolate.CubicSpline(time, q)(run.time))

@@ -33,9 +33,6 @@ PERIOD, PERIODS, AMPLITUDE = 10.0, 2, 1.2
 The first stride is not evaluated.
 """
 
-DOCUMENT_DEG = {"pd": (15.0, 12.0), "gravity_friction_pd": (10.0, 5.0)}
-"""Peak errors that document 2 reports (sec. V)."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackingReplay:

@@ -18,7 +18,7 @@ from exoid.view.colours import LAW_COLOURS
 from exoid.view.style import COLUMN, paper
 from exoid.view.tracking import plot_law_replay
 
-from .cuhk_tracking import DOCUMENT_DEG, GAINS, TrackingReplay
+from .cuhk_tracking import GAINS, TrackingReplay
 from .report import Drawing, ReplayReport
 
 LABELS = {
@@ -59,10 +59,9 @@ def cuhk_tracking_report(replay: TrackingReplay) -> ReplayReport:
         f"{GAINS['kd']} N·m·s/rad; laws know an estimate from noisy data"
     )
     slow, pd, compensated = (replay.laws[name] for name in ("pd_30hz", "pd", "gravity_friction_pd"))
-    printed = "; ".join(f"{LABELS[name]} {hip:g} / {knee:g}" for name, (hip, knee) in DOCUMENT_DEG.items())
     by_rate, by_law = abs(slow.peak_deg - pd.peak_deg), pd.peak_deg - compensated.peak_deg
     notes = [
-        f"Document 2 reports peak errors [deg]: {printed}.",
+        f"Document 2 reports peak errors [deg]: {LABELS['pd']} 15 / 12; {LABELS['gravity_friction_pd']} 10 / 5.",
         f"PD's peak errors change by {_pair(by_rate, '.2f')}° from 30 to 100 Hz; G + F lower them by "
         f"{_pair(by_law, '.1f')}°.",
         f"PD + G + F takes {_pair(compensated.rms_torque / pd.rms_torque, '.1f')} times the rms torque of PD and "

@@ -29,9 +29,6 @@ MODELS = ("off", "cad", "identified", "truth")
 BANDWIDTH, RATE = 50.0, 1000.0
 """Bandwidth of the motion filter, and rate of the controller [Hz]."""
 
-MOST = 10.0
-"""Largest amplification."""
-
 MARGIN = 0.9
 """Share of the largest stable amplification that is used."""
 
@@ -88,7 +85,7 @@ def wear(
     period: float = PERIOD,
     bandwidth: float = BANDWIDTH,
     rate: float = RATE,
-    most: float = MOST,
+    most: float = 10.0,
     height: float = 1.75,
     mass: float = 70.0,
     roles: Mapping[str, str] | None = None,

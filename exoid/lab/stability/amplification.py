@@ -23,9 +23,6 @@ from .draws import draw_truths
 from .worn_leg import HeldLeg
 from .worn_loop import WornLoop, poses_of
 
-MOST = 100.0
-"""Largest amplification tried."""
-
 AmplifiedLaw = Callable[[Any, float], AnyLaw]
 """Function that makes a controller from the source of its model and an amplification."""
 
@@ -121,7 +118,7 @@ def largest_amplification(
     delay: int = 0,
     share: float = 0.95,
     draws: int = 200,
-    most: float = MOST,
+    most: float = 100.0,
     seed: int = 0,
 ) -> Amplification:
     """Find the largest amplification at which a worn leg is stable, although the controller's model is not exact.
