@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -194,18 +194,15 @@ class GroupedEstimate(Report, ParameterTable):
         if self.shared:
             rows = [(name, *numbers[name]) for name in self.shared]
             parts.append(make_table(("shared", *headers), rows))
-        if self.own:
-            parts.append(make_table(("own", *headers, "p equal"), _own_rows(self, numbers)))
+        if self.own:  # side by side, with the probability that they are the same in all groups
+            rows = []
+            for k, name in enumerate(self.own):
+                for group in range(len(self)):
+                    place = self.names[self.layout.place(name, group)]
+                    p = f"{self.equal.p_values[k]:.3f}" if group == 0 and len(self) > 1 else ""
+                    rows.append((place, *numbers[place], p))
+            parts.append(make_table(("own", *headers, "p equal"), rows))
         return [*parts, *_closing_lines(self)]
-
-
-def _own_rows(grouped: GroupedEstimate, numbers: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, ...]]:
-    """Own parameters side by side, with the probability that they are the same in all groups."""
-    for k, name in enumerate(grouped.own):
-        for group in range(len(grouped)):
-            place = grouped.names[grouped.layout.place(name, group)]
-            p = f"{grouped.equal.p_values[k]:.3f}" if group == 0 and len(grouped) > 1 else ""
-            yield place, *numbers[place], p
 
 
 def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:

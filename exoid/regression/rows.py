@@ -53,17 +53,13 @@ class Prepared(NamedTuple):
     # filter that columns and torque still have to pass; None for none. Samples that do not count are zero on
     # both sides of the equation before they pass it
     parallel: ParallelFilter | None = None
+    reach: int = 0  # samples beside a stretch that its filtered columns draw on
     # samples of pulses of unknown friction at the reversals of each joint, see
     # `exoid.signals.filters.reversal_pulses`; None to take reversals as they are
     reversals: tuple[NDArray[np.intp], ...] | None = None
     # known torque that was taken from the measured one: that of payloads, less that of measured wrenches [N·m], (N, R);
     # None for none
     known: FloatArray | None = None
-
-    @property
-    def reach(self) -> int:
-        """Samples beside a stretch that its filtered columns draw on."""
-        return 0 if self.parallel is None else self.parallel.reach
 
     @property
     def block(self) -> int:
@@ -135,6 +131,7 @@ def prepare(
         inside,
         min(1.0, preparation.independent_fraction(rate) * stride),
         parallel,
+        0 if parallel is None else parallel.reach,
         pulses,
         motion.payload,
     )

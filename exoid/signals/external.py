@@ -41,13 +41,13 @@ def as_external(wrenches: Any, contacts: Any, samples: int) -> dict[str, Any]:  
             raise BadArgumentError(
                 f"the wrench on {link} is of type {type(wrench).__name__}", remedy="pass exoid.Wrench(force, moment)"
             )
-        _refuse_length(len(wrench), samples, f"the wrench on {link}")
+        checks.refuse_shape(wrench.force, (samples, 3), f"the wrench on {link}")
     touching = {
         link: checks.as_mask(values, f"the contact of {link}")
         for link, values in _mapping(contacts, "contacts", '{"left_foot": bools}').items()
     }
     for link, contact in touching.items():
-        _refuse_length(len(contact) if contact.ndim == 1 else contact.shape, samples, f"the contact of {link}")
+        checks.refuse_shape(contact, (samples,), f"the contact of {link}")
     return {"wrenches": ReadOnlyDict(measured), "contacts": ReadOnlyDict(touching)}
 
 
@@ -71,12 +71,6 @@ def _mapping(values: Any, argument: str, example: str) -> dict[str, Any]:  # noq
         raise BadArgumentError(f"{argument} is of type {type(values).__name__}", remedy=f"pass {argument}={example}")
     checks.refuse_names(tuple(values), "link")
     return dict(values)
-
-
-def _refuse_length(length: int | tuple[int, ...], samples: int, what: str) -> None:
-    if length != samples:
-        shape = f"{length} samples" if isinstance(length, int) else f"shape {length}"
-        raise BadArgumentError(f"{what} has {shape}, and the recording {samples}", remedy="give one row per time stamp")
 
 
 def refuse_contradictions(time: FloatArray, wrenches: Mapping[str, Wrench], contacts: Mapping[str, BoolArray]) -> None:
