@@ -47,7 +47,7 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
 
 def _start(given: Problem) -> FloatArray:
     """Solve from no load on, rows of each joint over its torque, or over a hundredth of the largest one."""
-    values = given.prior_knowledge.fixed_values(given.names)
+    values = np.nan_to_num(given.prior_knowledge.fixed_values(given.names))
     for _ in range(STEPS):
         problem = given.changed(model=Linearised.of(given.single.model, values))
         torques = np.array([np.linalg.norm(t.R[:, -1]) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors])
@@ -70,7 +70,7 @@ def _solve(
     given: Problem, r_factors: Sequence[RFactor], weights: Sequence[float], values: FloatArray
 ) -> tuple[FloatArray, float]:
     """Solve for the free parameters; tells how far predictions moved, as a part of the residual."""
-    free = given.prior_knowledge.free(given.names)
+    free = np.isnan(given.prior_knowledge.fixed_values(given.names))
     R = stack(r_factors, weights).R
     table = np.column_stack([R[:, :-1][:, free], R[:, -1] - R[:, :-1][:, ~free] @ values[~free]])
     R, count = factorize(table, 0, 0.0).R, int(free.sum())

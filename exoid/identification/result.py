@@ -75,7 +75,7 @@ class Result:
         joints = [name for group in problem.groups for name in group.model.row_names]
         of_groups = [slice(*pair) for pair in pairwise(problem.starts[1])]
         rows = [stack(problem.r_factors[part], fit.weights[part]) for part in of_groups]
-        free = int(np.count_nonzero(problem.prior_knowledge.free(problem.names)))
+        free = int(np.isnan(problem.prior_knowledge.fixed_values(problem.names)).sum())
         if white:
             samples = np.array([sum(each.samples for each in group.r_factors) for group in problem.groups])
             samples = samples * (solution.dof + free) / samples.sum()

@@ -191,7 +191,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
                 squares += float(left @ left)
                 scores[one.file_name, len(one), block][where] += score
                 blocks.add((id(one), block))
-    free = np.append(problem.prior_knowledge.free(problem.names), np.ones(more, dtype=np.bool_))
+    free = np.isnan(np.append(problem.prior_knowledge.fixed_values(problem.names), np.full(more, np.nan)))
     free[list(fitted.fit.solution.bounded)] = False
     return Equations(information, right, prior, np.array([*scores.values()]), free, squares, len(blocks))
 

@@ -181,12 +181,13 @@ def solve(
     #
     # Known parameters leave the problem with their torque. A prior p ± σ becomes a row (s/σ) β = (s/σ) p: s is what a
     # row of the recordings is worth, so that redundant rows do not outvote it.
-    free = prior_knowledge.free(names)
+    all_values = prior_knowledge.fixed_values(names)
+    free = np.isnan(all_values)
     if not free.any():
         raise BadArgumentError("every parameter is known: nothing is left to identify", remedy="leave some unknown")
     reduced = r_factor
     if not free.all():
-        torque = r_factor.R @ np.append(-prior_knowledge.fixed_values(names), 1.0)
+        torque = r_factor.R @ np.append(np.where(free, 0.0, -all_values), 1.0)
         reduced = factorize(np.column_stack([r_factor.R[:, np.append(free, False)], torque]), 0, r_factor.samples)
     count = len(reduced.R) - 1
     dof = r_factor.samples - count
@@ -224,7 +225,6 @@ def solve(
     every = np.ix_(free, free)
     whole, noise = np.zeros((2, len(names), len(names)))
     whole[every], noise[every] = inverse, size**4 * priors[:, :-1].T @ priors[:, :-1]
-    all_values = prior_knowledge.fixed_values(names)
     all_values[free] = values
     places = tuple(int(k) for k in np.flatnonzero(free)[bounded])
     condition = float(sigma[0] / sigma[-1])

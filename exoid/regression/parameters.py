@@ -126,13 +126,9 @@ class PriorKnowledge:
                 into = " and ".join(regrouped.into)
                 raise BadArgumentError(f"{regrouped}", remedy=f"say what is known of {into} instead")
 
-    def free(self, names: Sequence[str]) -> NDArray[np.bool_]:
-        """Which of the parameters are not known, (P,)."""
-        return np.array([name not in self.known for name in names], dtype=np.bool_)
-
     def fixed_values(self, names: Sequence[str]) -> FloatArray:
-        """Known values, zero elsewhere, (P,)."""
-        return np.array([self.known.get(name, 0.0) for name in names])
+        """Known values, not a number for parameters that are free, (P,)."""
+        return np.array([self.known.get(name, np.nan) for name in names])
 
     def pseudo_rows(self, names: Sequence[str]) -> FloatArray:
         """Rows (1/σ) β = p/σ of the priors, as [W τ] of unit variance, (K, P + 1)."""

@@ -36,16 +36,11 @@ class ParallelFilter:
         """Number of samples to each side that affect a filtered sample, beyond rounding."""
         return edge_length(self.rate, self.cutoff, tolerance=1e-15)  # below the rounding error of the filter
 
-    @cached_property
-    def independent_fraction(self) -> float:
-        """Fraction of the filtered samples that carries independent noise."""
-        return noise_bandwidth(self.rate, self.cutoff)
-
     @property
     def stride(self) -> int:
         """Decimation factor that loses no information."""
         # Four rows a row of independent noise: products of two filtered signals do not alias onto frequency zero
-        return max(1, int(1.0 / (4.0 * self.independent_fraction)))
+        return max(1, int(1.0 / (4.0 * noise_bandwidth(self.rate, self.cutoff))))
 
     def among_zeros(
         self, signals: Sequence[FloatArray] | FloatArray, rows: range, counted: NDArray[np.bool_] | None = None

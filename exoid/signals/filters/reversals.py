@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 
+from .low_pass import noise_bandwidth
 from .parallel import ParallelFilter
 
 LONGEST_PIECE = 2
@@ -121,7 +122,7 @@ def _clusters(
         earliest = cuts[-1] + max(1, size // 2)
         cuts.append(earliest + int(np.argmax(distance[earliest : cuts[-1] + 3 * size // 2])))
     # Where pulses would take more than this share of the independent samples of a piece, its rows stay
-    places, most = pulses.tolist(), 0.7 * min(1.0, parallel.independent_fraction * rows.step)
+    places, most = pulses.tolist(), 0.7 * min(1.0, noise_bandwidth(parallel.rate, parallel.cutoff) * rows.step)
     for start, stop in pairwise([*cuts, len(k)]):
         near = places[bisect_left(places, rows[start] - reach) : bisect_right(places, rows[stop - 1] + reach)]
         if not 0 < len(near) <= most * (stop - start):
