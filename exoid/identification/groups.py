@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -107,19 +106,14 @@ def _refuse_other_designs(groups: Sequence[Group]) -> None:
             )
 
 
-class Agreement(NamedTuple):
-    """Whether groups, each identified alone, agree on what they share."""
-
-    equality: Equality | None  # the test; None where there is none
-    warnings: tuple[str, ...] = ()  # parameters on which they do not agree
-    notes: tuple[str, ...] = ()  # why there is no test
-
-
-def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[float], *, white: bool) -> Agreement:
+def shared_agreement(
+    problem: Problem, estimator: Estimator, samples: Sequence[float], *, white: bool
+) -> tuple[Equality | None, tuple[str, ...], tuple[str, ...]]:
     """Identify each group alone, without priors and bounds, and test whether shared parameters are the same."""
+    # the test, None where there is none; a warning of parameters that are not; and a note of why there is no test
     layout, groups = problem.layout, problem.layout.groups
     if len(groups) < 2 or not layout.shared:
-        return Agreement(None)
+        return None, (), ()
     values, blocks, dofs = [], [], []
     for index, (group, count) in enumerate(zip(groups, samples, strict=True)):
         known = layout.known_by(index, problem.prior_knowledge).known
@@ -128,7 +122,7 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
             fit = fit_linear(alone, estimator).fit
         except ExoidError as error:
             why = f"{group} cannot be identified alone ({error.what})"
-            return Agreement(None, notes=(f"whether groups agree on what they share was not tested: {why}",))
+            return None, (), (f"whether groups agree on what they share was not tested: {why}",)
         found = uncertainty_of(alone, fit, white=white)
         values.append(fit.solution.values)
         blocks.append(found.covariance)
@@ -148,4 +142,4 @@ def shared_agreement(problem: Problem, estimator: Estimator, samples: Sequence[f
         f"groups do not agree on {below}, which they share, by more than noise explains: make these own, or find out "
         "what else differs"
     )
-    return Agreement(equality, (warning,) if below else ())
+    return equality, (warning,) if below else (), ()

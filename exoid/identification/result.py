@@ -197,8 +197,8 @@ class Result:
         """Make the estimates of all groups."""
         problem, solution, layout = self.fitted.problem, self.fitted.fit.solution, self.fitted.problem.layout
         samples = [sum(float(self.samples[k]) for k in problem.parts(name)) for name in layout.groups]
-        agreement = shared_agreement(problem, self.estimator, samples, white=self.white)
-        common = (*self.warnings, *agreement.warnings)
+        agreement, disagreed, untested = shared_agreement(problem, self.estimator, samples, white=self.white)
+        common = (*self.warnings, *disagreed)
         estimates = {name: self.estimate(k, common) for k, name in enumerate(layout.groups)}
         if check:
             estimates = {name: self.checked(one, k) for k, (name, one) in enumerate(estimates.items())}
@@ -226,9 +226,9 @@ class Result:
             condition_number=solution.condition_number,
             prior_knowledge=problem.prior_knowledge,
             equal=equality_of(own, solution.values, self.covariance, self.dofs),
-            agreement=agreement.equality,
+            agreement=agreement,
             warnings=(*common, *single),
-            notes=(*notes, *agreement.notes),
+            notes=(*notes, *untested),
         )
 
 
