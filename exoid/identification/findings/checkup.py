@@ -95,7 +95,7 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
     friction = [k for k, one in enumerate(fitted.library.columns) if one.kind in (*FORMS, "sharpness", "reversals")]
     while told:
         # a grossly wrong value would hide in the residuals of a fit that keeps it
-        alone = {k: State.of(evidence, (*friction, k - len(names)), tested=()).alone(k) for k in told}
+        alone = {k: State.of(evidence, (*friction, k - len(names))).alone(k) for k in told}
         apart = {k: abs(x - told[k][0]) / np.hypot(std, max(told[k][1], TINY)) for k, (x, std) in alone.items()}
         k = max(told, key=lambda k: apart[k])
         (x, std), (value, _), unit = alone[k], told.pop(k), fitted.model.units[k]

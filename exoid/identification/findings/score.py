@@ -77,35 +77,27 @@ class State:
     solution: FloatArray  # values of the fitted columns
     residual: FloatArray  # residual on the R factor
     shares: FloatArray  # shares of the fitted columns in each nuisance column, (F, K)
-    used: NDArray[np.intp]  # indices of the columns that are fitted or tested
     like: State | None  # fit whose residuals give the noise; None for this fit's own
     dof: float  # rows less fitted columns, at least 1
 
     @classmethod
     def of(
-        cls,
-        evidence: Evidence,
-        active: Sequence[int],
-        *,
-        like: State | None = None,
-        tested: Sequence[int] | None = None,
-        near: State | None = None,
+        cls, evidence: Evidence, active: Sequence[int], *, like: State | None = None, near: State | None = None
     ) -> State:
-        """Fit parameters and some nuisance columns, to test others (all if None), from weights near those of a fit."""
-        count, used = len(evidence.fixed), np.arange(evidence.factors[0].shape[1] - 1)
+        """Fit parameters and some nuisance columns, from weights near those of another fit."""
+        count = len(evidence.fixed)
         columns = np.append(evidence.free, count + np.array(active, dtype=np.intp))  # nuisances follow the parameters
         if like is None:
             weights = evidence.weights(columns, None if near is None else near.weights)
             R = r_factor(np.vstack([w * R for w, R in zip(weights, evidence.factors, strict=True)]))
-            R = evidence.reduced(R, used)
-            used = used if tested is None else np.union1d(columns, count + np.array(tested, dtype=np.intp))
+            R = evidence.reduced(R, np.arange(R.shape[1] - 1))
         else:
             weights, R = like.weights, like.R
         pinv = scaled_pinv(R[:, columns])
         solution = pinv @ R[:, -1]
         residual, shares = R[:, -1] - R[:, columns] @ solution, pinv @ R[:, count:-1]
         dof = max(1.0, sum(int(part.usable.sum()) for part in evidence.parts) - len(columns))
-        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, used, like, dof)
+        return cls(evidence, columns, weights, R, pinv, solution, residual, shares, like, dof)
 
     @property
     def values(self) -> FloatArray:
@@ -145,7 +137,7 @@ class State:
 
     @cached_property
     def meat(self) -> FloatArray:
-        """[W Z]ᵀ Γ [W Z] of all columns, (P + K, P + K), zero where a column is neither fitted nor tested."""
+        """[W Z]ᵀ Γ [W Z] of all columns, (P + K, P + K)."""
         if self.like is not None:
             return self.like.meat
         total = np.zeros((self.R.shape[1] - 1,) * 2)
@@ -160,7 +152,7 @@ class State:
             lost = count / max(1.0, count - len(self.columns) / len(self.weights))
             noise = AutoregressiveNoise.from_autocovariances(lost * sums / max(pairs, 1.0), int(count))
             for table, rest in zip(tables, self.evidence.at_rest, strict=True):
-                act = self.used[table[self.used].any(axis=1)]
+                act = np.flatnonzero(table[:-1].any(axis=1))
                 some = weight * table[act]
                 size = float(noise.variances[0])
                 total[np.ix_(act, act)] += size * some @ some.T if rest else noise.quadratic_form(some)

@@ -117,7 +117,7 @@ class _Beside(NamedTuple):
         others = (*(one for one in self.faults if one != tested), *also)
         columns = (*(column for one in others for column in one.columns), *self.library.free, *self.library.always)
         columns = tuple(dict.fromkeys((*columns, *(tested.beside if tested else ()))))
-        return State.of(self.evidence, columns, tested=None if tested is None else tested.columns, **how)
+        return State.of(self.evidence, columns, **how)
 
     def test(self, fault: Nuisance, full: State) -> tuple[Score | None, State]:
         """Test a fault with the noise that a fit with it leaves: with the fault, residuals would look coloured."""
