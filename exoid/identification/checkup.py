@@ -145,31 +145,26 @@ def _rounded_again(shift: float, group: Group, one: Recording) -> Recording:
 
 
 def without_delays(problem: Problem, fitted: Fitted) -> Problem:
-    """Estimate by how much torques are late, and shift them: of every group of the problem that was fitted."""
+    """Estimate by how much torques are late, shift them, and say so: of every group of the problem that was fitted."""
     groups = []
     for group in problem.groups:
-        parts = fitted.problem.parts(group.name)
+        parts, names = fitted.problem.parts(group.name), group.model.leg.joint_names
         if fitted.problem.groups[parts[0]].links is None:
             leg = fitted_leg(fitted, parts[0])
-            late = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(leg.model.leg.joint_names))
+            late, half = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(names))
         else:
-            late = torque_delays(fitted, parts)
-        groups.append(_shifted(group, late) if late[0].any() else group)
-    return replace(problem, groups=tuple(groups))
-
-
-def _shifted(group: Group, late: tuple[FloatArray, FloatArray]) -> Group:
-    """Shift the torques of a group, and say so."""
-    by_joint, found = {k: float(delay) for k, delay in enumerate(late[0]) if delay}, list(group.findings)
-    for joint, delay, half in zip(group.model.leg.joint_names, late[0].tolist(), late[1].tolist(), strict=True):
-        if delay:
-            message = (
-                f"the torque of {joint} came {1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the "
-                "motion, and was shifted by that"
-            )
+            late, half = torque_delays(fitted, parts)
+        by_joint, found = {k: float(late[k]) for k in np.flatnonzero(late).tolist()}, list(group.findings)
+        for k, delay in by_joint.items():
+            when = f"{1e3 * abs(delay):.3g} ms {'after' if delay > 0.0 else 'before'} the motion"
+            message = f"the torque of {names[k]} came {when}, and was shifted by that"
             remedy = "correct the time stamps of the log; validation shifts its torques by the same"
-            interval = (delay - half, delay + half)
-            found.append(Finding("torque-delay", joint, delay, "s", "info", message, remedy, interval))
-    chosen = (group.model.select(one) for one in group.data)
-    data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
-    return replace(group, data=data, delays=late[0], findings=tuple(found))
+            interval = (delay - float(half[k]), delay + float(half[k]))
+            found.append(Finding("torque-delay", names[k], delay, "s", "info", message, remedy, interval))
+        if not by_joint:  # logs on disk stay there
+            groups.append(group)
+            continue
+        chosen = (group.model.select(one) for one in group.data)
+        data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
+        groups.append(replace(group, data=data, delays=late, findings=tuple(found)))
+    return replace(problem, groups=tuple(groups))

@@ -45,8 +45,6 @@ class Channel:
     def long_runs(self, shortest: float) -> list[tuple[int, int]]:
         """Runs that last for a time [s], and 8 times longer than 99 % of the others; frozen ones are among these."""
         least = max(10.0, shortest * self.rate)
-        if np.count_nonzero(self.steps == 0.0) < least - 1.0:
-            return []
         start, length = runs_of(self.x)
         others = length[length < least]
         usual = float(np.quantile(others, 0.99)) if len(others) else 1.0
@@ -81,11 +79,7 @@ def saturation(channel: Channel) -> Iterator[Finding]:
     # A peak of a quantised signal also stays at one value, but the signal comes there in steps of one quantum.
     # A clipped signal arrives at full slope.
     x, tolerance = channel.x, 1e-9 * float(np.ptp(channel.x))
-    if channel.steps.min() > tolerance:  # no value lasts
-        return
     start, length = runs_of(x, tolerance)
-    if len(start) < 3:
-        return
     value, usual, step = x[start], float(np.median(length)), quantum(x)
     for rail in (float(x.max()), float(x.min())):
         at_rail = np.abs(value - rail) <= tolerance
@@ -189,8 +183,6 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     middle = scipy.ndimage.median_filter(x, 5, mode="constant")
     apart, least = x - middle, 0.4 * float(np.std(middle))
     deviation = np.abs(apart)
-    if deviation.max() <= least:
-        return
     odd: NDArray[np.bool_] = deviation > max(12.0 * robust_std(apart - np.median(apart)), least)
     odd[:2] = odd[-2:] = False
     if not odd.any():
