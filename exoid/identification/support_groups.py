@@ -15,7 +15,7 @@ from exoid.estimate.finding import Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
-from exoid.torques.contacts import Split, split
+from exoid.torques.contacts import Split, refuse_dead_switches, split
 from exoid.torques.contacts.imu import ROCKS, beside
 from exoid.torques.contacts.stretches import EDGE
 from exoid.torques.contacts.support_model import SupportModel
@@ -56,6 +56,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         what = f"a torque of {most:.6g} N·m (limit 10000 N·m on the ground) looks like N·mm"
         remedy = "give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000"
         raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy)
+    refuse_dead_switches(model.leg, data)
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
     every, of_session = _split_session(model.leg, data, smears)
@@ -111,9 +112,8 @@ def _left_out(parts: Split, recording: Recording) -> Iterator[Finding]:
     """Say what feet tell of switches and of the base's sensor, how many samples were left out, and why."""
     left, name = parts.left, recording.file_name
     for foot, x in parts.late.items():
-        when = f"{1e3 * x:.0f} ms after the jolt of its touch-downs; its contacts begin with the jolt"
         remedy = "lower the threshold of the switches, or correct their time stamps"
-        text = f"the switches of {foot} close {when}"
+        text = f"the switches of {foot} close {1e3 * x:.0f} ms after its touch-downs, with which contacts begin now"
         yield Finding("contact-kind", "", x, "s", "warning", text, remedy, recording=name)
     if delay := parts.delay:
         when = f"{abs(1e3 * delay):.0f} ms {'later' if delay > 0.0 else 'earlier'} than the angles"

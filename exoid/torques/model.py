@@ -17,6 +17,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.leg_data import without_side
 from exoid.leg.payload import Payload
 from exoid.leg.torso import MovingBase
+from exoid.regression.model import RegressorModel
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
 from .catalog import turning_joints
@@ -29,7 +30,7 @@ Measured = TypeVar("Measured", Recording, Poses, Recording | Poses)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TorqueModel:
+class TorqueModel(RegressorModel):
     """Torque model of a leg, τ = W(q, v, a) β with β = (leg parameters, term parameters).
 
     Attributes:
@@ -304,35 +305,8 @@ class TorqueModel:
                 row = own.stop
         return out
 
-    def friction_torque(self, motion: Motion, values: FloatArray) -> FloatArray:
-        """Compute the part of the torque that is friction.
-
-        Args:
-            motion: Motion of N samples, see :meth:`motion`.
-            values: Parameters, (P,).
-
-        Returns:
-            Friction torque [N·m], (N, n); with zero base rows on a floating base.
-        """
-        torque = np.zeros((len(motion.q), len(self.row_names)))
-        for start in range(0, len(torque), BLOCK):
-            rows = slice(start, start + BLOCK)
-            columns = self.columns(motion.rows(rows))[self.friction]
-            torque[rows] = np.tensordot(values[self.friction], columns, axes=1).T
-        return torque
-
     def select(self, recording: Measured) -> Measured:
-        """Pick the joints of the leg by name, with or without their side; wrenches are those in axes of links.
-
-        Args:
-            recording: Recording of all joints, or poses, which have no wrenches.
-
-        Returns:
-            The recording, or the poses, of the joints of the leg.
-
-        Raises:
-            ExoidError: A joint is missing, or one that follows from a closed loop, and is passive, has a torque.
-        """
+        """Pick the joints of the leg by name, with or without their side; wrenches are those in axes of links."""
         names = self.leg.joint_names
         missing = [name for name in names if name not in recording.joint_names]
         joints = names if not missing else self.leg.joint_labels
@@ -371,16 +345,7 @@ class TorqueModel:
                     )
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
-        """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c.
-
-        Args:
-            tau: Torques of the joints [N·m], (N, n).
-            motion: Motion of the N samples.
-            wrenches: Measured wrenches on links.
-
-        Returns:
-            Torque of each row, (N, n) or (N, b + n).
-        """
+        """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c."""
         rows = np.hstack([np.zeros((len(tau), self.leg.base_rows)), tau]) if self.leg.base_rows else tau
         for link, wrench in wrenches.items():
             if wrench.axes != "link":
@@ -393,25 +358,11 @@ class TorqueModel:
         return rows
 
     def measured_rows(self, measured: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Tell which rows have a measured side: those of the base always, as nothing drives it.
-
-        Args:
-            measured: Joints whose torque was measured, (n,).
-
-        Returns:
-            Rows with a measured side, (n,) or (b + n,).
-        """
+        """Tell which rows have a measured side: those of the base always, as nothing drives it."""
         return np.append(np.ones(self.leg.base_rows, dtype=np.bool_), measured)
 
     def usable(self, v: FloatArray) -> NDArray[np.bool_]:
-        """Select the samples from which the terms can be identified.
-
-        Args:
-            v: Joint velocities [rad/s], (N, n).
-
-        Returns:
-            Whether a sample of a row is usable, (N, n) or (N, b + n).
-        """
+        """Select the samples from which the terms can be identified."""
         usable = np.ones((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F")
         for block in self.blocks:
             of_term = block.term.usable(_of_joints(v, block.joints))
@@ -421,14 +372,7 @@ class TorqueModel:
         return usable
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
-        """Select the samples at which a joint turns round, so that its friction is not a function of its velocity.
-
-        Args:
-            v: Joint velocities of a recording [rad/s], (N, n).
-
-        Returns:
-            Whether the joint of a row turns round, (N, n) or (N, b + n); None if no term asks for it.
-        """
+        """Select the samples at which a joint turns round, so that its friction is not a function of its velocity."""
         found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
         if all(mask is None for _, mask in found):
             return None

@@ -123,6 +123,9 @@ def refuse_turned(
         elif not what and abs(np.log(max(scale, 1e-9))) > np.log(1.1):
             what = f"the gyroscope of the base reads {scale:.2g} times what the base turns on {link}"
             remedy = "look at its unit, range and connection, or leave its columns out: feet then tell the motion"
+            if scale < DEAD and read[:, 3:].std(axis=0).max() < 0.3 * said[:, 3:].std(axis=0).max():
+                what = f"by both its sensors the base is held, and on {link}, which is said to rest, it would turn"
+                remedy = f"check the switch of {link}, which is dead if it never changes"
         if what:
             raise UnreadableInputError(what, where=log.file_name, remedy=remedy)
 
@@ -148,15 +151,20 @@ def _explanations(
     for foot, stands in feet.items():
         what = f"the base moves as if {foot} stood, and the log says that {link} does"
         yield _weighted(stands, rate, rows), what, remedy
-    names, every = log.joint_names, np.arange(log.q.shape[1])
-    changes = {f"the angle of {names[j]} had the other sign": np.where(every == j, -log.q, log.q) for j in every}
-    for j, k in combinations(every.tolist(), 2):
-        order = np.where(every == j, k, np.where(every == k, j, every))
-        changes[f"the angles of {names[j]} and {names[k]} were interchanged"] = log.q[:, order]
     remedy = "map the columns by name (columns=, --column NAME=HEADER), or negate the angle"
-    for change, q in changes.items():
+    for change, q in angle_mistakes(log):
         stands = standing_reading(leg, replace(log, q=q), link, log.base.position)
         yield _weighted(stands, rate, rows), f"the base moves on {link} as if {change}", remedy
+
+
+def angle_mistakes(log: Recording) -> Iterator[tuple[str, FloatArray]]:
+    """Angles with another sign, or with two columns interchanged, and what was wrong with them."""
+    names, q, every = log.joint_names, log.q, np.arange(log.q.shape[1])
+    for j in every.tolist():
+        yield f"the angle of {names[j]} had the other sign", np.where(every == j, -q, q)
+    for j, k in combinations(every.tolist(), 2):
+        order = np.where(every == j, k, np.where(every == k, j, every))
+        yield f"the angles of {names[j]} and {names[k]} were interchanged", q[:, order]
 
 
 def _mounting(turned: FloatArray) -> tuple[str, str]:

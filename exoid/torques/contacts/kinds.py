@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.signals import Recording
+from exoid.signals.link_wrenches import link_placements
 
 
 def foot_of(leg: Leg, link: str) -> str:
@@ -51,13 +53,13 @@ def touch_downs(leg: Leg, rest: Mapping[str, BoolArray], samples: int, settling:
 
 
 def on_time(leg: Leg, recording: Recording) -> tuple[Recording, dict[str, float]]:
-    """Let contacts begin with the jolt that the base feels where switches close after it; and how late they are [s]."""
+    """Let contacts begin with the jolt of touch-downs where switches close after it; and how late they are [s]."""
     # Jolts are changes of the specific force, by their median over touch-downs after 0.1 s in the air. A late switch
     # has none where it closes. On time, jolts come within 6 ms of it, see tests/torques/contacts/test_heel_and_toe.py.
+    # On a base that is held, or on a rail, the angles tell how fast a foot falls, and that it is at rest before.
     contacts, late, rate = dict(recording.contacts), dict[str, float](), recording.sample_rate
-    if recording.base is None or not leg.base_rows:
+    if recording.base is None and leg.base_rows:
         return recording, late
-    jolts = np.linalg.norm(np.diff(recording.base.specific_force, axis=0, prepend=np.nan), axis=1)
     around = np.arange(-round(0.1 * rate), round(0.02 * rate) + 1)
     for foot, edges in _by_foot(leg, list(contacts)).items():
         links = [link for link in (foot, *edges) if link in contacts]
@@ -67,10 +69,19 @@ def on_time(leg: Leg, recording: Recording) -> tuple[Recording, dict[str, float]
         starts = starts[~down[starts[:, np.newaxis] + around[around < 0]].any(axis=1)]
         if len(starts) < 4:  # too few to judge a switch by
             continue
-        size = np.median(jolts[starts[:, np.newaxis] + around], axis=0)
-        first = -int(around[np.argmax(size)])
-        others = max(1.5 * size[np.abs(around) <= 0.01 * rate].max(), 3.0 * np.median(size))
-        if first >= 0.02 * rate and size.max() > others:
+        if leg.base_rows and recording.base is not None:
+            force = recording.base.specific_force
+            jolts = np.linalg.norm(np.diff(force, axis=0, prepend=np.nan), axis=1)
+            size = np.median(jolts[starts[:, np.newaxis] + around], axis=0)
+            first = -int(around[np.argmax(size)])
+            sure = size.max() > max(1.5 * size[np.abs(around) <= 0.01 * rate].max(), 3.0 * np.median(size))
+        else:
+            height = link_placements(leg, recording.q, links[0]).translation @ leg.plane.up
+            smooth = scipy.ndimage.uniform_filter1d(height, max(1, round(0.004 * rate)))
+            size = np.median(np.abs(np.gradient(smooth, recording.time))[starts[:, np.newaxis] + around], axis=0)
+            first = -int(around[np.flatnonzero((size > 0.5 * size.max()) & (around < 0))[-1:] + 1].sum())
+            sure = size.max() > 0.1  # one that falls [m/s]
+        if first >= 0.02 * rate and sure:
             late[foot] = first / rate
             contacts |= {link: np.convolve(contacts[link], np.ones(1 + first))[first:] > 0.5 for link in links}
     return replace(recording, contacts=contacts), late

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from itertools import combinations
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -11,14 +13,15 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import BoolArray, FloatArray
+from exoid.errors import UnreadableInputError
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import ball_radius, lowest_point
-from exoid.signals import BaseMotion
+from exoid.signals import BaseMotion, Recording
 from exoid.signals.cutoff import robust_std
 from exoid.signals.filters.low_pass import slow_part
 from exoid.signals.link_wrenches import link_placements
 
-from .imu import ENDS
+from .imu import ENDS, angle_mistakes
 from .standing_base import StandingBase
 
 SLIDING, TILTING = 0.03, 0.15
@@ -42,33 +45,79 @@ def slipping(
     leg: Leg, rest: Mapping[str, BoolArray], q: FloatArray, time: FloatArray, widened: int
 ) -> NDArray[np.bool_]:
     """Find the samples at which links that rest move: against each other where the base floats."""
-    slips, base, v = np.zeros(len(q), dtype=np.bool_), leg.base_rows, np.gradient(q, time, axis=0)
-    if not base:
+    slips, v = np.zeros(len(q), dtype=np.bool_), np.gradient(q, time, axis=0)
+    if not leg.base_rows:
         for link, flags in rest.items():
             twist = np.einsum("ncj,nj->nc", leg.frame_jacobian(q, link, lowest_point(leg, q, link)), v)
             turns = (np.linalg.norm(twist[:, 3:], axis=1) > TILTING) & (leg.contact_kind(link) == "flat")
             slips |= flags & (turns | (np.linalg.norm(twist[:, :3], axis=1) > SLIDING))
     levers, places = dict[str, FloatArray](), dict[str, FloatArray]()
-    for link in rest if base else ():
-        if ball_radius(leg, link):  # distances of balls that roll change
-            continue
-        if leg.contact_kind(link) != "flat":
+    for link in rest if leg.base_rows else ():
+        if leg.contact_kind(link) == "flat":
+            levers[link] = motion_on(leg, link, q, time)
+        elif not ball_radius(leg, link):  # distances of balls that roll change
             places[link] = link_placements(leg, q, link).translation
-            continue
-        jacobian = leg.contact_jacobian(q, link)
-        to_base = np.linalg.solve(jacobian[..., :base], np.einsum("ncj,nj->nc", jacobian[..., base:], v)[..., None])
-        levers[link] = -to_base[..., 0]
-    # Base rows of a planar machine
-    turning = slice(2, 3) if base == 3 else slice(3, 6)
-    for (link, flags), (other, also) in combinations(rest.items() if base else (), 2):
-        if link in places and other in places:  # however the base turns, two points that rest keep their distance
-            distance = np.linalg.norm(places[link] - places[other], axis=1)
-            slips |= flags & also & (np.abs(np.gradient(distance, time)) > SLIDING)
-        elif link in levers and other in levers:
-            apart = levers[link] - levers[other]  # linear before angular
-            fast = np.linalg.norm(apart[:, : turning.start], axis=1) > SLIDING
-            slips |= flags & also & (fast | (np.linalg.norm(apart[:, turning], axis=1) > TILTING))
+    for link, other in combinations(places, 2):  # however the base turns, two points that rest keep their distance
+        change = np.gradient(np.linalg.norm(places[link] - places[other], axis=1), time)
+        slips |= rest[link] & rest[other] & (np.abs(change) > SLIDING)
+    for link, other in combinations(levers, 2):
+        fast, turns = _apart(levers[link], levers[other])
+        slips |= rest[link] & rest[other] & (fast | turns)
     return np.asarray(scipy.ndimage.binary_dilation(slips, iterations=max(1, widened))) if slips.any() else slips
+
+
+def _apart(one: FloatArray, other: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """Tell where motions of a base on two feet differ by more than rest allows: in velocity, and in rate of turn."""
+    speed, turn = np.split(one - other, [-(one.shape[1] // 2)], axis=1)  # one row of a planar base turns
+    return np.linalg.norm(speed, axis=1) > SLIDING, np.linalg.norm(turn, axis=1) > TILTING
+
+
+def motion_on(leg: Leg, link: str, q: FloatArray, time: FloatArray) -> FloatArray:
+    """Velocity of a floating base on a flat link that rests, as its base rows count it: linear before angular."""
+    base, jacobian = leg.base_rows, leg.contact_jacobian(q, link)
+    of_joints = np.einsum("ncj,nj->nc", jacobian[..., base:], np.gradient(q, time, axis=0))
+    return -np.linalg.solve(jacobian[..., :base], of_joints[..., np.newaxis])[..., 0]
+
+
+def refuse_dead_switches(leg: Leg, data: Sequence[Recording]) -> None:
+    """Refuse a flat foot whose switch is the same in all recordings, where its motion denies it."""
+    read = defaultdict[str, set[bool]](set)
+    for one in data if leg.base_rows else ():
+        for link, down in one.contacts.items():
+            read[link] |= {*np.unique(down).tolist()}
+    flat = (link for link in read if leg.contact_kind(link) == "flat")
+    feet = [link for link in flat if not any(f"{link}{part}" in read for part in ("_heel", "_toe"))]
+    for one, link in product(data, [link for link in feet if len(read[link]) == 1]):
+        others, always = [x for x in feet if x in one.contacts and x != link], max(read[link])
+        if link not in one.contacts or not others:
+            continue
+        # of two feet that are said to rest at all times, either may move
+        sure = [x for x in others if not always or len(read[x]) > 1]
+        denied = partial(_denied, leg, link, sure, others, one)
+        if (seconds := denied(one.q)) and (not always or all(denied(q) for _, q in angle_mistakes(one))):
+            does = "turns against one that rests" if always else "is at rest while the base moves against it"
+            what = f"the switch of {link} reads {int(always)} at all samples, and the foot {does}"
+            remedy = f"mend this switch, which is dead: leave these logs out, or give the contact of {link} otherwise"
+            raise UnreadableInputError(f"{what}, for {seconds:.2g} s", where=one.file_name, remedy=remedy)
+
+
+def _denied(leg: Leg, link: str, sure: Sequence[str], others: Sequence[str], one: Recording, q: FloatArray) -> float:
+    """Time for which the motion of a foot denies its switch, which never changes, where that is a large part [s]."""
+    q, always = slow_part(q, one.sample_rate, LOOK), bool(one.contacts[link][0])
+    on, cases = motion_on(leg, link, q, one.time), list[tuple[BoolArray, BoolArray]]()
+    first = on.shape[1] - on.shape[1] // 2
+    paced = always | (np.linalg.norm(on[:, :first], axis=1) > 2.0 * SLIDING)
+    for other in sure:
+        fast, turns = _apart(on, motion_on(leg, other, q, one.time))
+        cases.append((one.contacts[other] & paced, turns if always else ~(fast | turns)))
+    if one.base is not None and not always:  # while no foot is said to rest, a gyroscope tells how it turns
+        rates = slow_part(one.base.angular_velocity, one.sample_rate, LOOK)
+        rates = rates if first == 3 else -rates @ leg.plane.lateral[:, np.newaxis]
+        _, turns = _apart(on, np.hstack([on[:, :first], rates]))
+        cases.append((paced & ~np.any([one.contacts[x] for x in others], axis=0), ~turns))
+    # of walkers, seeds 20 to 28, right switches are denied in 0.02 of that time at most, and dead ones in 0.6 at least
+    found = [(np.count_nonzero(told & denied), np.count_nonzero(told)) for told, denied in cases]
+    return max((x for x, of in found if x > max(one.sample_rate, 0.3 * of)), default=0) / one.sample_rate
 
 
 def sliding(

@@ -60,27 +60,16 @@ class Stretch(NamedTuple):
 
 
 class Split(NamedTuple):
-    """A recording, split by the links that rest.
+    """A recording, split by the links that rest."""
 
-    Attributes:
-        stretches: One for each set of links that rest by unknown wrenches.
-        left: Samples that were left out.
-        imu: Errors of the inertial measurement unit that this recording tells, or how its feet rock; None without rest.
-        visible: Slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none.
-        near: Time around a touch-down that was left out [s].
-        late: Time by which the switches of a foot closed too late, by foot [s]; contacts begin earlier by it.
-        turns: What turns on flat feet say of the base's sensor, (5, 5), see :func:`~.imu.turns_on_feet`.
-        delay: Time by which this sensor reads later than the angles [s], which was taken out; negative for earlier.
-    """
-
-    stretches: tuple[Stretch, ...]
-    left: Left
-    imu: ImuErrors | None
-    visible: float
-    near: float
-    late: Mapping[str, float]
-    turns: FloatArray
-    delay: float
+    stretches: tuple[Stretch, ...]  # one for each set of links that rest by unknown wrenches
+    left: Left  # samples that were left out
+    imu: ImuErrors | None  # errors of the IMU that this recording tells, or how its feet rock; None without rest
+    visible: float  # slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none
+    near: float  # time around a touch-down that was left out [s]
+    late: Mapping[str, float]  # time by which the switches of a foot closed too late [s]; contacts begin earlier by it
+    turns: FloatArray  # what turns on flat feet say of the base's sensor, (5, 5), see :func:`~.imu.turns_on_feet`
+    delay: float  # time by which this sensor reads later than the angles [s], which was taken out; negative for earlier
 
 
 def split(
@@ -91,22 +80,8 @@ def split(
     *,
     tell: bool = True,
 ) -> Split:
-    """Split a recording by the links that rest on the ground with an unknown wrench.
-
-    Args:
-        leg: The leg.
-        recording: A recording with contacts or wrenches; without both, the base is held.
-        preparation: Preparation of the rows, whose filter of the angles smears jolts; None for the default one.
-        session: Errors of the inertial measurement unit to take out of a recording that tells none, such as those of
-            another recording of the session.
-        tell: Whether feet that rest tell these errors; not where they rock.
-
-    Returns:
-        One stretch for each set of links, the samples that were left out, and errors of the IMU that were taken out.
-
-    Raises:
-        ExoidError: A link is not in the URDF, the motion of the base is needed and missing, or nothing is left.
-    """
+    """Split a recording by the links that rest with an unknown wrench, and take errors of its IMU out."""
+    # Those of the session count where it tells none, or is not to tell them, as feet rock.
     recording = recording.resampled()
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     recording, gaps = _without_gaps(recording)
@@ -162,13 +137,13 @@ def split(
             "the base moves, and no motion of it was recorded while no link rests flat on the ground",
             where=recording.file_name,
             remedy="record it (base=exoid.BaseMotion.from_imu(...), columns base_gyro_x…z and base_acc_x…z), or say "
-            "when feet are flat on the ground (contacts=)",
+            f"when feet are flat on the ground (contacts=){_unchanging(recording)}",
         )
     if not found:
         raise NotIdentifiableError(
             "no sample is left of contacts that last, do not slip and leave a row of the equation",
             where=recording.file_name,
-            remedy="check the contacts, record longer stance, or measure the wrenches",
+            remedy=f"check the contacts{_unchanging(recording)}; record longer stance, or measure the wrenches",
         )
     parts = (counted & ~steady, counted & steady & ~usual, lost, floating, counted & gaps, counted & usual & moving)
     left_out = Left(*(float(np.count_nonzero(part)) / max(1, int(np.count_nonzero(counted))) for part in parts))
@@ -187,6 +162,11 @@ def _stretch(
     base = recording.base
     if base is None and leg.base_rows and flat:
         base = standing_base(leg, recording, flat[0])
+        mean = base.specific_force.mean(axis=0)
+        if mean[2] < -0.5 * np.linalg.norm(mean):  # cosine of the mean lean
+            what = f"by the angles of its joints, the base is upside down over {flat[0]}, which rests"
+            remedy = "look for a sign, unit or order of angles that differs from the URDF's, such as of both knees"
+            raise UnreadableInputError(what, where=recording.file_name, remedy=remedy)
     if base is None and leg.base_rows and leg.description.root_link not in links:
         return None
     if leg.base_rows and not links and base is not None:
@@ -196,9 +176,16 @@ def _stretch(
         if size > 0.5 * GRAVITY and borne < 0.1 * leg.parameters[0] * size:
             what = f"no contact is there, wrenches of {borne:.3g} N bear hardly any weight"
             what = f"{what}, and the accelerometer of the base reads {size:.3g} m/s²: it is held"
-            remedy = "say what holds it: a foot, a hook or a stand by a contact of its link (is a switch inverted?)"
-            raise UnreadableInputError(what, where=recording.file_name, remedy=f"{remedy}, a load cell by a wrench")
+            remedy = "say what holds it: a foot, a hook or a stand by a contact of its link, a load cell by a wrench"
+            remedy += _unchanging(recording) or " (is a switch inverted?)"
+            raise UnreadableInputError(what, where=recording.file_name, remedy=remedy)
     return Stretch(links, (), replace(recording, mask=usable, base=base, wrenches=wrenches))
+
+
+def _unchanging(recording: Recording) -> str:
+    """Ask for switches that never change, as a dead one does."""
+    same = [f"{x} reads {int(y[0])} at all samples" for x, y in recording.contacts.items() if y.all() or not y.any()]
+    return f" (is a switch dead? that of {', of '.join(same)})" if same else ""
 
 
 def _without_bias(

@@ -45,10 +45,10 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
     valid = np.searchsorted(recording.time, validation.time - 0.5 / recording.sample_rate)
     base = base_during(recording, preparation)
     motion = estimate.model.motion(q, v, a, base, recording.payloads)
-    friction = estimate.model.friction_torque(motion, estimate.values)[:, estimate.model.leg.base_rows :]
+    friction = estimate.model.columns(motion).T @ np.where(estimate.model.friction, estimate.values, 0.0)
     if preparation.parallel(recording.sample_rate) is not None:
         friction = preparation.filter(friction, recording.sample_rate)
-    return RecordingPrediction(recording, q[valid], v[valid], validation, friction[valid])
+    return RecordingPrediction(recording, q[valid], v[valid], validation, friction[valid, -q.shape[1] :])
 
 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:

@@ -13,10 +13,11 @@ from exoid import BaseMotion, ExoidError, Wrench
 from exoid.estimate.friction_cone import cone_findings
 from exoid.estimate.ground_prediction import level_wrench
 from exoid.signals import ZeroPhase
-from exoid.torques.contacts import split
+from exoid.torques.contacts import refuse_dead_switches, split
 from exoid.torques.contacts.imu import CorrectedBase
 
 NOISE, ENCODER = 0.4, 1e-4
+AIR = dict.fromkeys(("left_foot", "right_foot"), np.zeros(3750, dtype=bool))
 KINDS = "torque-scale", "angle-offset", "unmodelled-force", "torque-offset"
 
 
@@ -63,26 +64,17 @@ def test_the_estimate_survives_a_file(estimate, tmp_path):
 
 def with_plates(log, rng, late=0):
     """Record the wrenches, too, with the noise of plates, and so many samples late."""
-    noisy = {
-        link: Wrench(
-            *(
-                np.roll(part + size * rng.standard_normal(part.shape), late, axis=0)
-                for part, size in ((wrench.force, 3.0), (wrench.moment, 0.3))
-            )
-        )
-        for link, wrench in log.wrenches.items()
-    }
+    noisy = {}
+    for link, x in log.wrenches.items():
+        both = (part + size * rng.standard_normal(part.shape) for part, size in ((x.force, 3.0), (x.moment, 0.3)))
+        noisy[link] = Wrench(*(np.roll(part, late, axis=0) for part in both))
     return replace(log.recording, wrenches=noisy)
 
 
 @pytest.mark.slow
 def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, estimate):
     rng = np.random.default_rng(1)
-    recordings = []
-    for log in stance:
-        open_switch = np.zeros(len(log.recording), dtype=bool)
-        switches = {link: log.recording.contacts.get(link, open_switch) for link in log.wrenches}
-        recordings.append(replace(with_plates(log, rng), contacts=switches))
+    recordings = [replace(with_plates(log, rng), contacts=AIR | log.recording.contacts) for log in stance]
     found = identify(exo, recordings, TERMS)
     assert abs(found["M"].value / exo.parameters[0] - 1.0) < 0.001
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
@@ -238,7 +230,7 @@ def test_a_recording_that_the_others_contradict_is_named(exo, stance, sign):
     assert [one.joint for one in told] == ["left_hip"] * (sign < 0.0)
 
 
-RIGHT = {"left_foot": np.zeros(3750, dtype=bool), "right_foot": np.ones(3750, dtype=bool)}
+RIGHT = AIR | {"right_foot": np.ones(3750, dtype=bool)}
 STRAIGHT, AROUND, ASKEW = (Rotation.from_euler("z", angle, degrees=True).as_matrix() for angle in (0.0, 180.0, 15.0))
 PITCHED, TURNED = (Rotation.from_rotvec(x, degrees=True).as_matrix() for x in ([0.0, 10.0, 0.0], [60.0, 0.0, 60.0]))
 
@@ -254,9 +246,7 @@ PITCHED, TURNED = (Rotation.from_rotvec(x, degrees=True).as_matrix() for x in ([
         pytest.param(STRAIGHT, 0.8, {}, "reads 0.8 times", id="a gyroscope of another range"),
         pytest.param(STRAIGHT, np.pi / 180.0, {}, "reads 0.017 times", id="rad/s that are read as degrees"),
         pytest.param(STRAIGHT, 1.0, RIGHT, "as if left_foot stood", id="switches that are interchanged"),
-        pytest.param(
-            STRAIGHT, 1.0, {"left_foot": RIGHT["left_foot"]}, "hardly any weight", id="a switch that is inverted"
-        ),
+        pytest.param(STRAIGHT, 1.0, {"left_foot": RIGHT["left_foot"]}, "hardly any weight", id="an inverted switch"),
     ],
 )
 def test_a_base_that_moves_otherwise_than_its_foot_is_refused(exo, stance, turn, rate, contacts, message):
@@ -290,6 +280,8 @@ def test_an_angle_that_jumps_on_a_foot_at_rest_is_named(exo, stance):
     q = log.q + 0.3 * ((log.time > 5.0)[:, np.newaxis] & (np.arange(6) == 1))
     with pytest.raises(ExoidError, match=r"the angle of left_knee jumps at 5\.0"):
         split(exo, replace(log, q=q, v=None))
+    with pytest.raises(ExoidError, match="the base is upside down over left_foot"):
+        split(exo, replace(log, q=log.q + [np.pi, 0.0, 0.0] * 2, base=None))
 
 
 @pytest.mark.parametrize("pitch", [-1.0, -1.5, -2.0])
@@ -394,21 +386,12 @@ def test_one_foot_alone_leaves_inertias_that_cannot_be_told_apart(exo, stance):
         exoid.identify(exo, [log.recording for log in stance[:2]], terms=TERMS)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"contacts": {"lefft_foot": True}}, "lefft_foot"),
-        ({"contacts": {"left_foot": False}, "wrenches": "left_foot"}, "motion of it"),
-    ],
-)
-def test_bad_contacts_are_one_error(exo, stance, change, message):
-    log = stance[1]
-    count = len(log.recording)
-    change = {**change, "contacts": {link: np.full(count, flag) for link, flag in change["contacts"].items()}}
-    if "wrenches" in change:
-        change["wrenches"] = {"left_foot": Wrench(np.zeros((count, 3)), np.zeros((count, 3)))}
-    with pytest.raises(ExoidError, match=message):
-        exoid.identify(exo, replace(log.recording, **change), terms=TERMS)
+def test_bad_contacts_are_one_error(exo, stance):
+    log, nothing = stance[1].recording, Wrench(*np.zeros((2, 3750, 3)))
+    with pytest.raises(ExoidError, match="lefft_foot"):
+        exoid.identify(exo, replace(log, contacts={"lefft_foot": RIGHT["right_foot"]}), terms=TERMS)
+    with pytest.raises(ExoidError, match="motion of it"):
+        exoid.identify(exo, replace(log, contacts=AIR, wrenches={"left_foot": nothing}), terms=TERMS)
 
 
 @pytest.mark.parametrize("arguments", [{"estimator": "ml"}, {"preparation": "finite-difference"}])
@@ -431,9 +414,7 @@ def test_force_plates_belong_to_the_prediction_and_their_noise_to_the_band(exo, 
     recording = with_plates(log, np.random.default_rng(0))
     found = exoid.validate(estimate, recording)
     logged = recording.tau[np.searchsorted(recording.time, found.time)]
-    assert (
-        np.sqrt(np.mean((found.measured - logged) ** 2, axis=0)) < 1.5 * NOISE
-    ).all()  # noise, and jumps of friction
+    assert np.sqrt(np.mean((found.measured - logged) ** 2, axis=0)).max() < 1.5 * NOISE  # noise, and jumps of friction
     assert (found.coverage > 0.88).all()
     assert found.coverage.mean() == pytest.approx(0.95, abs=0.04)
     assert found.verdict == "predicts"
@@ -518,3 +499,14 @@ def test_delays_are_looked_for_in_long_recordings(exo):
     delays = [each.value for each in found.findings if each.kind == "torque-delay"]
     assert delays
     np.testing.assert_allclose(delays, 0.02, atol=0.002)
+
+
+@pytest.mark.parametrize(("reads", "imu"), [(False, False), (False, True), (True, False), (True, True)])
+def test_a_switch_that_never_changes_is_named(exo, stance, reads, imu):
+    logs = [with_imu(log, 0) if imu else log.recording for log in stance]
+    logs = [replace(log, contacts=AIR | log.contacts) for log in logs]
+    refuse_dead_switches(exo, logs)
+    for foot in AIR:
+        dead = [replace(log, contacts={**log.contacts, foot: np.full(len(log), reads)}) for log in logs]
+        with pytest.raises(ExoidError, match=f"the switch of {foot} reads {int(reads)} at all samples"):
+            identify(exo, dead, TERMS)

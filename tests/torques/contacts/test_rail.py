@@ -17,6 +17,7 @@ from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.excitation import MotionLimits, assess
 from exoid.leg.description import describe
 from exoid.signals.link_wrenches import wrenches_on_links
+from exoid.torques.contacts import split
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
 
@@ -88,6 +89,14 @@ def test_the_motion_says_when_a_foot_is_down():
     touched, closed = (np.flatnonzero(np.diff(flags.astype(int)) > 0) for flags in (found, jumps.contacts["foot"]))
     assert len(touched) == 3  # the switch bounces
     assert np.abs(touched[:, None] - closed).min(axis=1).max() < 0.05 * jumps.sample_rate
+
+
+def test_a_late_switch_is_named_by_the_fall_of_the_foot():
+    jumps, late = log("jump"), round(0.04 * study.RATE)
+    switch = np.append(np.zeros(late, dtype=bool), jumps.contacts["foot"][:-late])
+    for read, least, most in ((jumps.contacts["foot"], 0.0, 0.0), (switch, 0.03, 0.045)):
+        found = split(hopper()[1], replace(jumps, contacts={"foot": read})).late
+        assert least <= found.get("foot", 0.0) <= most
 
 
 @pytest.mark.nightly
