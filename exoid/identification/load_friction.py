@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
-from exoid.regression.least_squares import ROUNDING, TINY, RFactor, factorize, scaled_lstsq, stack
+from exoid.regression.least_squares import ROUNDING, TINY, factorize, scaled_lstsq, stack
 from exoid.torques import TorqueModel
 from exoid.torques.linearised import Linearised
 
@@ -47,13 +45,20 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
 
 def _start(given: Problem) -> FloatArray:
     """Solve from no load on, rows of each joint over its torque, or over a hundredth of the largest one."""
-    values = np.nan_to_num(given.prior_knowledge.fixed_values(given.names))
+    fixed = given.prior_knowledge.fixed_values(given.names)
+    free, values = np.isnan(fixed), np.nan_to_num(fixed)
+    count = int(free.sum())
     for _ in range(STEPS):
         problem = given.changed(model=Linearised.of(given.single.model, values))
         torques = np.array([np.linalg.norm(t.R[:, -1]) / np.sqrt(max(t.rows, 1)) for t in problem.r_factors])
         weights = 1.0 / np.maximum(torques, max(0.01 * torques.max(), TINY))
-        values, moved = _solve(given, problem.r_factors, weights.tolist(), values)
-        if moved <= SETTLED:
+        R = stack(problem.r_factors, weights.tolist()).R
+        R = factorize(np.column_stack([R[:, :-1][:, free], R[:, -1] - R[:, :-1][:, ~free] @ values[~free]]), 0, 0.0).R
+        before, values = values, values.copy()
+        # shortest where a column says nothing: friction under a load that is not yet known
+        values[free] = scaled_lstsq(R[:count, :count], R[:count, -1])
+        left = max(float(np.linalg.norm(R[count:, -1])), ROUNDING * float(np.linalg.norm(R[:, -1])))
+        if np.linalg.norm(R[:count, :count] @ (values - before)[free]) <= SETTLED * left or left == 0.0:
             break
     columns = np.sqrt(sum(t.R**2 for t in problem.r_factors)).max(axis=0)
     loads = {name for block in given.single.model.blocks if block.term.loaded for name in block.names}
@@ -64,19 +69,3 @@ def _start(given: Problem) -> FloatArray:
         what = f"{', '.join(unloaded)} left no trace in the torque: there is no rigid-body torque to depend on"
         raise NotIdentifiableError(what, remedy="leave out LoadFriction at these joints", parameters=tuple(unloaded))
     return values
-
-
-def _solve(
-    given: Problem, r_factors: Sequence[RFactor], weights: Sequence[float], values: FloatArray
-) -> tuple[FloatArray, float]:
-    """Solve for the free parameters; tells how far predictions moved, as a part of the residual."""
-    free = np.isnan(given.prior_knowledge.fixed_values(given.names))
-    R = stack(r_factors, weights).R
-    table = np.column_stack([R[:, :-1][:, free], R[:, -1] - R[:, :-1][:, ~free] @ values[~free]])
-    R, count = factorize(table, 0, 0.0).R, int(free.sum())
-    found = values.copy()
-    # shortest where a column says nothing: friction under a load that is not yet known
-    found[free] = scaled_lstsq(R[:count, :count], R[:count, -1])
-    left = max(float(np.linalg.norm(R[count:, -1])), ROUNDING * float(np.linalg.norm(R[:, -1])))
-    moved = R[:count, :count] @ (found - values)[free]
-    return found, float(np.linalg.norm(moved)) / left if left > 0.0 else 0.0

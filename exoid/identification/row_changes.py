@@ -58,12 +58,6 @@ class Effects(NamedTuple):
     numbers: Callable[[Recording, FloatArray], NDArray[np.intp]] | None = None
     scales: Sequence[int] = ()  # problems in which the measured torque of a joint is scaled
 
-    @classmethod
-    def alike(cls, others: Sequence[Problem], step: float, prior_std: float) -> Effects:
-        """Change numbers of one kind, each in a problem of its own."""
-        every = np.ones(len(others))
-        return cls(others, step * every, prior_std * every, 0.0 * every)
-
 
 class Equations(NamedTuple):
     """Normal equations of the parameters β and of numbers c beside them, r = W δβ + D c, with c ~ N(m, σ²)."""
@@ -86,9 +80,9 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     def shifted(delays: Mapping[int, float]) -> Problem:
         return change_recordings(problem, lambda _, one: without_torque_delay(one, delays), parts)
 
-    step = 2e-3  # [s]
+    step, each = 2e-3, np.ones(len(joints))  # [s]
     late = [shifted({joint: step}) for joint in range(len(joints))]
-    found = row_changes(fitted, Effects.alike(late, step, 0.1))
+    found = row_changes(fitted, Effects(late, step * each, 0.1 * each, 0.0 * each))
     half = found.halves
     # A torque that is shifted by less than a fifth of a millisecond is as good as on time
     size = np.where(np.abs(found.values) > 2e-4, np.abs(found.values), 0.0)
@@ -111,7 +105,8 @@ def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
         found[link] = replace(problem, groups=tuple(groups))
     if not found:
         return
-    c = row_changes(fitted, Effects.alike([*found.values()], step, 0.05))
+    each = np.ones(len(found))
+    c = row_changes(fitted, Effects([*found.values()], step * each, 0.05 * each, 0.0 * each))
     for link, x, band in zip(found, c.values.tolist(), c.halves.tolist(), strict=True):
         # Edges round by 5 mm stay below 0.7 mm; of 10 mm, four of five seeds are above (0 to 4). A contact that
         # bears hardly any load is known worse than to 5 mm, and moves no parameter.

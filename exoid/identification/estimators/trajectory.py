@@ -31,7 +31,10 @@ class Trajectory(NamedTuple):
         place = (time - time[0]) * (intervals / span)
         interval = np.minimum(place.astype(np.intp), intervals - 1)
         basis = np.array([pieces(place - interval) * (intervals / span) ** k for k, pieces in enumerate(_pieces())])
-        return cls(basis, interval, _members(interval, intervals), intervals + DEGREE)
+        first = np.searchsorted(interval, np.arange(intervals + 1))
+        members = np.full((intervals, int(np.diff(first).max())), len(time), dtype=np.intp)
+        members[interval, np.arange(len(time)) - first[interval]] = np.arange(len(time))
+        return cls(basis, interval, members, intervals + DEGREE)
 
     def through(self, q: FloatArray) -> FloatArray:
         """Coefficients, (K, n), of the splines nearest to angles, (N, n)."""
@@ -75,15 +78,6 @@ def lower_band(local: FloatArray, n: int) -> FloatArray:
                     band[(row - column) * n + i - j, column : column + intervals, j] += block[:, i, j]
     band[0] *= 1.0 + 1e-10  # a coefficient that hardly any sample sees does no harm
     return band.reshape(WIDTH * n, count * n)
-
-
-def _members(interval: NDArray[np.intp], intervals: int) -> NDArray[np.intp]:
-    samples = len(interval)
-    first = np.searchsorted(interval, np.arange(intervals + 1))
-    place = np.arange(samples) - first[interval]
-    members = np.full((intervals, int(np.diff(first).max())), samples, dtype=np.intp)
-    members[interval, place] = np.arange(samples)
-    return members
 
 
 @cache

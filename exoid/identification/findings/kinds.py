@@ -218,11 +218,7 @@ class Library(NamedTuple):
     # columns that every test contains, so that sharp friction, or when it turns, is not taken for another fault
     always: tuple[int, ...]
     free: tuple[int, ...]  # columns that every fit contains: scales of torques whose constants were not known
-
-    @property
-    def friction(self) -> list[int]:
-        """Columns of friction of other forms."""
-        return [k for k, column in enumerate(self.columns) if column.kind in FORMS]
+    friction: tuple[int, ...]  # columns of friction of other forms
 
 
 def library(
@@ -281,4 +277,5 @@ def library(
         faults.append(Nuisance("gravity-direction", "", -1, "rad", (*add("gravity", 0), *add("gravity", 1))))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
-    return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales))
+    friction = tuple(k for k, column in enumerate(columns) if column.kind in FORMS)
+    return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales), friction)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.identification.gather import model_with
@@ -55,7 +54,7 @@ class Choice(NamedTuple):
     @classmethod
     def of(cls, design: Design, columns: tuple[Columns, ...], sigma: FloatArray) -> Choice:
         """Fit these columns."""
-        whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), sigma)
+        whole = NormalEquations.of(design, np.ones(len(design.time)) / sigma[:, None] ** 2)
         active = _active(design, columns)
         base, friction = whole.solve(active)
         left = residuals(design, active, base, friction)
@@ -80,8 +79,9 @@ class Tables(NamedTuple):
         design = search.design(library, choice.base[: len(search.leg.parameter_names)])
         blocks = (*blocked_folds(search.recordings, search.folds), fast_blocks(search.recordings))
         folds = tuple(fold_of(each, design) for each in blocks)
-        equations = tuple(_normal(design, fold.fitted, choice.sigma) for fold in folds)
-        whole = _normal(design, np.ones(len(design.time), dtype=np.bool_), choice.sigma)
+        precision = 1.0 / choice.sigma[:, None] ** 2  # of the joints' noise
+        equations = tuple(NormalEquations.of(design, fold.fitted * precision) for fold in folds)
+        whole = NormalEquations.of(design, np.ones(len(design.time)) * precision)
         return cls(design, grids, folds, equations, whole)
 
     @property
@@ -199,11 +199,6 @@ def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Column
         if errors[k] - errors[best] <= min(2.0 * standard_error, max(standard_error, 0.05 * errors[best])):
             return candidates[k][1]
     return candidates[best][1]
-
-
-def _normal(design: Design, rows: NDArray[np.bool_], sigma: FloatArray) -> NormalEquations:
-    """Normal equations of some rows, weighted by the noise of their joints."""
-    return NormalEquations.of(design, rows / sigma[:, None] ** 2)
 
 
 def _active(design: Design, chosen: Sequence[Columns]) -> Active:
