@@ -60,7 +60,12 @@ def fill_tree_regressor(
     for start in range(0, len(q), block):
         rows = slice(start, start + block)
         part = out[..., rows]
-        motions = [_base_motion(tree, part.shape[-1], None if base is None else BaseSamples(*(x[rows] for x in base)))]
+        moved = np.zeros((6, AXES + BASE_ROWS * tree.floating, part.shape[-1]))  # the base, and its axes if it floats
+        moved[:, AXES:] = np.eye(6)[:, : moved.shape[1] - AXES, None]
+        moved[:3, ACCELERATION] = -tree.gravity[:, None]
+        if base is not None:
+            moved[:, VELOCITY], moved[:, ACCELERATION] = base.velocity[rows].T, base.acceleration[rows].T
+        motions = [moved]
         if tree.floating:
             _fill_body(motions[0], layouts[0], part)
         for j, joint in enumerate(tree.joints):
@@ -144,17 +149,6 @@ def _runs(carriers: tuple[int, ...], *, floating: bool) -> Iterator[_Run]:
     for first, stop in zip([0, *breaks], [*breaks, len(carriers)], strict=True):
         rows = slice(carriers[first], carriers[first] + stop - first) if stop > first else slice(0)
         yield _Run(slice(AXES + first, AXES + stop), rows, stop <= linear)
-
-
-def _base_motion(tree: Tree, count: int, base: BaseSamples | None) -> FloatArray:
-    """Velocity and acceleration of the base, and its axes if it floats, (6, 2 or 8, B)."""
-    motion = np.zeros((6, AXES + BASE_ROWS * tree.floating, count))
-    motion[:, AXES:] = np.eye(6)[:, : motion.shape[1] - AXES, None]
-    if base is not None:
-        motion[:, VELOCITY], motion[:, ACCELERATION] = base.velocity.T, base.acceleration.T
-    else:
-        motion[:3, ACCELERATION] = -tree.gravity[:, None]
-    return motion
 
 
 def _add_rates(joint: TreeJoint, motion: FloatArray, v: FloatArray, a: FloatArray) -> None:

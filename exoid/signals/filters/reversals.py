@@ -31,7 +31,8 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
     widened = np.zeros(slow.shape, dtype=np.bool_, order="F")
     grown = math.ceil(parallel.rate / (4.0 * math.pi * parallel.cutoff))
     for joint in range(slow.shape[1]):
-        for start, end in _runs(slow[:, joint]):
+        edges = np.flatnonzero(np.diff(slow[:, joint], prepend=False, append=False))
+        for start, end in edges.reshape(-1, 2).tolist():
             if end - start <= parallel.rate:  # a stay of more than 1 s is a rest: its rows are kept
                 widened[max(0, start - grown) : end + grown, joint] = True
     return widened
@@ -39,7 +40,7 @@ def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[n
 
 def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.intp]:
     """Place pulses from end to end of each reversal, at most a quarter of the cut-off's period apart."""
-    start, end = _runs(unknown).T
+    start, end = np.flatnonzero(np.diff(unknown, prepend=False, append=False)).reshape(-1, 2).T
     gaps = np.ceil((end - start) * (4.0 * parallel.cutoff / parallel.rate)).astype(np.intp)
     run = np.repeat(np.arange(len(start)), gaps + 1)
     number = np.arange(len(run)) - np.repeat(np.cumsum(gaps + 1) - (gaps + 1), gaps + 1)
@@ -159,13 +160,6 @@ def _noise_correlations(parallel: ParallelFilter, step: int, count: int) -> Floa
     correlation = np.zeros(count)
     correlation[: len(later)] = (later / later[0])[:count]
     return np.asarray(scipy.linalg.toeplitz(correlation))
-
-
-def _runs(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """First sample of each run, and the first behind it, (M, 2)."""
-    inner = np.flatnonzero(mask[1:] != mask[:-1]) + 1
-    first, last = (np.flatnonzero(mask[edge]) for edge in (slice(0, 1), slice(-1, None)))
-    return np.concatenate([first, inner, last + len(mask)]).reshape(-1, 2)
 
 
 @lru_cache(maxsize=16)
