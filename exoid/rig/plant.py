@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import chain
 
 import numpy as np
 
@@ -100,47 +101,28 @@ class Plant:
                 the mass matrix is not positive definite at some pose.
         """
         refuse_floating_base(leg, "a rig")
-        values = dict(values or {})
-        labels = leg.joint_labels
-        known = {*leg.parameter_names, *(f"{symbol}_{label}" for symbol in SYMBOLS for label in labels)}
-        unknown = sorted(set(values) - known)
-        if unknown:
-            raise BadArgumentError(
-                f"the rig has no {', '.join(unknown)}", remedy=f"names are {', '.join(sorted(known))}"
-            )
+        parameters, numbers = numbers_by_symbol(leg, SYMBOLS, values or {})
         pitches = np.atleast_1d(np.asarray(pitch, dtype=np.float64))
         if pitches.ndim != 1 or not len(pitches):
             raise BadArgumentError(
                 f"pitch of the plant has shape {pitches.shape}", remedy="give one angle, or a row of them"
             )
-        shape = (len(labels), len(pitches))
-
-        def each(symbol: str, default: Mapping[str, float] | None = None) -> FloatArray:
-            """Values of a symbol at each joint and leg; zero where a joint has none."""
-            named = [values.get(f"{symbol}_{label}", (default or {}).get(label, 0.0)) for label in labels]
-            return np.tile(np.array(named)[:, None], (1, shape[1]))
-
-        coulomb = each("c0")
-        static = each("cs", dict(zip(labels, coulomb[:, 0].tolist(), strict=True)))
-        parameters = np.array(
-            [values.get(name, own) for name, own in zip(leg.parameter_names, leg.parameters, strict=True)]
-        )
-        armature = each("Ia")
-        _refuse_indefinite(leg, parameters, armature[:, 0])
-        free = np.full(len(labels), np.inf)
+        _refuse_indefinite(leg, parameters, numbers["Ia"])
+        given = [f"cs_{label}" in (values or {}) for label in leg.joint_labels]
+        free = np.full(len(given), np.inf)
         lower, upper = (leg.limits.lower, leg.limits.upper) if end_stops else (-free, free)
-        return cls(
-            leg=leg,
-            parameters=np.tile(parameters[:, None], (1, shape[1])),
-            stiffness=np.array([each(f"b{power}") for power in range(STIFFNESS_DEGREE, -1, -1)]),
-            coulomb=coulomb,
-            static=static,
-            viscous=each("d"),
-            armature=armature,
-            pitch=pitches,
-            lower=np.tile(lower[:, None], (1, shape[1])),
-            upper=np.tile(upper[:, None], (1, shape[1])),
-        )
+        arrays = {
+            "parameters": parameters,
+            "stiffness": np.array([numbers[f"b{power}"] for power in range(STIFFNESS_DEGREE, -1, -1)]),
+            "coulomb": numbers["c0"],
+            "static": np.where(given, numbers["cs"], numbers["c0"]),
+            "viscous": numbers["d"],
+            "armature": numbers["Ia"],
+            "lower": lower,
+            "upper": upper,
+        }
+        alike = {name: np.repeat(x[..., None], len(pitches), axis=-1) for name, x in arrays.items()}
+        return cls(leg=leg, pitch=pitches, **alike)
 
     @property
     def count(self) -> int:
@@ -216,6 +198,18 @@ class Plant:
 
     def _each(self, change: Callable[[FloatArray], FloatArray]) -> Plant:
         return Plant(leg=self.leg, **{name: change(getattr(self, name)) for name in _array_names()})
+
+
+def numbers_by_symbol(
+    leg: Leg, symbols: Sequence[str], values: Mapping[str, float]
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Read parameters of the bodies (``X1``), and numbers of the joints (``c0_hip``) by symbol, zero if not given."""
+    named = {symbol: [f"{symbol}_{label}" for label in leg.joint_labels] for symbol in symbols}
+    known = sorted(chain(leg.parameter_names, *named.values()))
+    if unknown := sorted(set(values) - set(known)):
+        raise BadArgumentError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {', '.join(known)}")
+    bodies = [values.get(name, own) for name, own in zip(leg.parameter_names, leg.parameters, strict=True)]
+    return np.array(bodies), {s: np.array([values.get(name, 0.0) for name in names]) for s, names in named.items()}
 
 
 def _array_names() -> list[str]:

@@ -15,6 +15,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
 from exoid.leg.reduction import Plane
 from exoid.leg.reduction.planar import GRAVITY
+from exoid.rig.plant import numbers_by_symbol
 from exoid.tools.numbers import checked
 
 SYMBOLS = ("c0", "d", "Ia", "b1", "b0")
@@ -181,16 +182,9 @@ class GroundPlant:
                 where=leg.description.name,
                 remedy='load it with exoid.load_exo("bleex", base="floating") or Leg.from_urdf(..., base="floating")',
             )
-        values, labels = dict(values or {}), leg.joint_labels
-        named = {f"{symbol}_{label}" for symbol in SYMBOLS for label in labels}
-        unknown = sorted(set(values) - named - set(leg.parameter_names))
-        if unknown:
-            known = ", ".join((*leg.parameter_names, *sorted(named)))
-            raise BadArgumentError(f"the plant has no {', '.join(unknown)}", remedy=f"names are {known}")
-        bodies = [values.get(name, x) for name, x in zip(leg.parameter_names, leg.parameters, strict=True)]
-        if set(values) & set(leg.parameter_names):
+        bodies, each = numbers_by_symbol(leg, SYMBOLS, values or {})
+        if not np.array_equal(bodies, leg.parameters):
             leg = leg.with_parameters(bodies)
-        each = {symbol: np.array([values.get(f"{symbol}_{label}", 0.0) for label in labels]) for symbol in SYMBOLS}
         for symbol, numbers in each.items():
             checked(numbers, f"{symbol} of the plant", least=0.0 if symbol in ("c0", "d", "Ia") else -np.inf)
         checked(smoothing, "smoothing", above=0.0)
