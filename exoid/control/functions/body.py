@@ -9,7 +9,7 @@ import numpy as np
 
 from exoid._typing import ComplexArray, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.ground.posture import two_links
+from exoid.experiments.ground.posture import PlanarLeg
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import held_directions, link_frame
 from exoid.rig.ground import Sole
@@ -103,11 +103,8 @@ class Body:
         Raises:
             ExoidError: The leg is too short.
         """
-        turn = np.exp(1j * np.asarray(tilt))
-        way = middle + turn * (1j * self.ankle - 0.5 * (self.heel + self.toe)) - hip
-        knee, ahead = two_links(way, self.thigh, self.shank, "a foot")
-        thigh = np.angle(1j * way) + ahead
-        return np.column_stack([thigh - pitch, knee, tilt - (thigh - knee)])
+        base = np.column_stack(np.broadcast_arrays(hip.real, hip.imag, pitch))
+        return self._straight.angles(base, middle, np.asarray(tilt))
 
     def sole(self, hip: ComplexArray, pitch: FloatArray | float, flexion: FloatArray) -> ComplexArray:
         """Locate heel and toe of a leg.
@@ -120,11 +117,13 @@ class Body:
         Returns:
             Places of heel and toe [m], (K, 2).
         """
-        thigh = flexion[:, 0] + pitch
-        shank = thigh - flexion[:, 1]
-        foot = np.exp(1j * (shank + flexion[:, 2]))
-        ankle = hip - 1j * (self.thigh * np.exp(1j * thigh) + self.shank * np.exp(1j * shank))
-        return np.asarray(ankle[:, None] + foot[:, None] * (np.array([self.heel, self.toe]) - 1j * self.ankle))
+        return self._straight.points(np.column_stack(np.broadcast_arrays(hip.real, hip.imag, pitch)), flexion)
+
+    @property
+    def _straight(self) -> PlanarLeg:
+        """Leg that is straight at zero, with the sole level and the hip at the origin of the torso."""
+        sole = np.array([self.heel, self.toe]) - 1j * self.ankle
+        return PlanarLeg("a foot", slice(0, 3), 0.0, -1j * self.thigh, -1j * self.shank, sole, TURNS, 1.0)
 
 
 def joint_angles(leg: Leg, flexion: FloatArray) -> FloatArray:

@@ -14,18 +14,6 @@ from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import GroundPlant
 
 
-def two_links(way: ComplexArray, upper: float, lower: float, foot: str) -> tuple[FloatArray, FloatArray]:
-    """Find how far a knee folds, and the thigh is ahead of the way from hip to ankle [rad], (K,) each."""
-    cosine = (np.abs(way) ** 2 - upper**2 - lower**2) / (2.0 * upper * lower)
-    if not (np.abs(cosine) < 1.0).all():
-        raise BadArgumentError(
-            f"{foot} is up to {np.abs(way).max():.3g} m from the hip, a leg of {upper + lower:.3g} m",
-            remedy="lower the torso or the seat, or take smaller steps and shifts",
-        )
-    fold = np.arccos(cosine)
-    return fold, np.arctan2(lower * np.sin(fold), upper + lower * np.cos(fold))
-
-
 @dataclass(frozen=True, eq=False)
 class PlanarLeg:
     """Leg of three joints in the plane, where a vector (forward, up) is the complex number x + i z."""
@@ -46,8 +34,15 @@ class PlanarLeg:
         pitch = base[:, 2]
         ankle = centre - np.exp(1j * tilt) * self.sole.mean()
         way = ankle - (base[:, 0] + 1j * base[:, 1] + np.exp(1j * pitch) * self.hip)
-        fold, ahead = two_links(way, abs(self.thigh), abs(self.shank), self.foot)
-        bends = self.signs[1] * self.knee
+        upper, lower, bends = abs(self.thigh), abs(self.shank), self.signs[1] * self.knee
+        cosine = (np.abs(way) ** 2 - upper**2 - lower**2) / (2.0 * upper * lower)
+        if not (np.abs(cosine) < 1.0).all():
+            raise BadArgumentError(
+                f"{self.foot} is up to {np.abs(way).max():.3g} m from the hip, a leg of {upper + lower:.3g} m",
+                remedy="lower the torso or the seat, or take smaller steps and shifts",
+            )
+        fold = np.arccos(cosine)  # of the knee
+        ahead = np.arctan2(lower * np.sin(fold), upper + lower * np.cos(fold))  # the thigh, of the way to the ankle
         thigh = np.angle(way) - bends * ahead - np.angle(self.thigh)
         shank = thigh + bends * fold + np.angle(self.thigh) - np.angle(self.shank)
         turns = np.column_stack([thigh - pitch, shank - thigh, tilt - shank])
