@@ -105,7 +105,7 @@ class GravitySupport:
 
     leg: Leg
 
-    def command(self, target: Target, q: Array, v: Array) -> Array:
+    def command(self, target: Target, q: Array, v: Array, interaction: Array | None = None) -> Array:
         """Torque of gravity, (n, B)."""
         return self.leg.gravity(q.T).T
 

@@ -225,5 +225,3 @@ class _Sampled:
             felt = None if interaction is None else interaction[:, k]
             torques.append(run.command(q[:, k], v[:, k], aim, felt))
         return np.column_stack(torques)
-
-    command_worn = command

@@ -40,19 +40,19 @@ class Reference(Protocol):
 
 
 class Controller(Protocol):
-    """Control law from target and measurement to the command of the actuators.
+    """Control law from target and measurement to the command of the actuators."""
 
-    A law that has ``command_worn(target, q, v, interaction)`` too is called by it where somebody wears the rig:
-    `interaction` is the torque of the wearers on the legs as sensors in the cuffs measure it [N·m], (n, B).
-    """
-
-    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+    def command(
+        self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None = None
+    ) -> FloatArray:
         """Compute the command.
 
         Args:
             target: Reference motion at this time.
             q: Measured angles [rad], (n, B).
             v: Measured velocities [rad/s], (n, B).
+            interaction: Torque of the wearers on the legs, as sensors in the cuffs measure it [N·m], (n, B); None where
+                nobody wears the rig, or it is not sampled.
 
         Returns:
             Command in the unit of the actuator, (n, B).
@@ -74,7 +74,9 @@ class ProportionalDerivative(Controller):
     stiffness: ArrayLike
     damping: ArrayLike = 0.0
 
-    def command(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+    def command(
+        self, target: Target, q: FloatArray, v: FloatArray, interaction: FloatArray | None = None
+    ) -> FloatArray:
         """Compute u, see the class."""
         return _gains(self.stiffness) * (target.q - q) + _gains(self.damping) * (target.v - v)
 

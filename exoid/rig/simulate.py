@@ -122,11 +122,9 @@ def simulate(
     past: deque[tuple[FloatArray, ...]] = deque(maxlen=sensors.delay * every_control + 1)
     samples: list[tuple[FloatArray, ...]] = []
     before, begin, exchanged = rig.v, rig.energy(), np.zeros((3, plant.count))
-    worn_law = getattr(controller, "command_worn", None) if limb else None
-    law: Callable[..., FloatArray] = worn_law or controller.command
 
     def commanded(target: Target, *reading: FloatArray) -> FloatArray:
-        return _broadcast(law(target, *reading), plant, "command of the controller")
+        return _broadcast(controller.command(target, *reading), plant, "command of the controller")
 
     with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(count + 1):
@@ -141,7 +139,7 @@ def simulate(
                 target, (tau, *motion) = reference.at(k * dt), past[0]
                 reading = read_angle(sensors, motion[0], rng), read_velocity(sensors, motion[1], rng)
             if controls:
-                felt = (limb.interaction(*motion),) if limb and worn_law else ()
+                felt = (limb.interaction(*motion),) if limb else ()
                 command = commanded(target, *reading, *felt)
             if logs:
                 if not every_control:

@@ -43,7 +43,7 @@ FINE = Rates(500.0, 100.0, 2.5e-4)
 class OpenLoop:
     """Torques that do not depend on the motion, held between samples."""
 
-    def command(self, target, q, v):
+    def command(self, target, q, v, interaction=None):
         return np.zeros_like(q)
 
 
@@ -53,7 +53,7 @@ class Feel(OpenLoop):
     def __init__(self):
         self.felt = []
 
-    def command_worn(self, target, q, v, interaction):
+    def command(self, target, q, v, interaction=None):
         self.felt.append(interaction)
         return np.zeros_like(q)
 
