@@ -80,7 +80,8 @@ def frozen(machine: str, seed: int) -> dict[str, int]:
     out = dict.fromkeys(("certain", "of them wrong", "certain while slow", "of those wrong"), 0)
     for number, name in enumerate(("sit", "rise", "walk", "stairs up")):
         episode = run_function(plant, name, 6.0, rng)
-        run, log = episode.run, study._log(episode, [seed, number])
+        run, noise = episode.run, np.random.default_rng([seed, number, 300])
+        log = run.recording(study.SENSORS, noise, wrenches=(run.plant.root_link,))
         told = ContactFilter(
             model, values, np.diag((0.01 * values) ** 2), run.plant.soles, np.array(study.SENSORS.imu_position), 500.0
         )

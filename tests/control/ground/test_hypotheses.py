@@ -26,7 +26,8 @@ def told():
     plant, out = bleex_machine(), {}
     for name, seconds in (("walk", 5.0), ("rise", 3.0)):
         episode = day.run_function(plant, name, seconds, np.random.default_rng(1))
-        out[name] = filter_of(plant, episode.run.plant.soles), episode, study._log(episode, [1])
+        log = episode.run.recording(study.SENSORS, np.random.default_rng([1, 300]), wrenches=(plant.root_link,))
+        out[name] = filter_of(plant, episode.run.plant.soles), episode, log
     return out
 
 
