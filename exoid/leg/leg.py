@@ -20,7 +20,7 @@ from .closure import Closure
 from .description import Description, read_description
 from .dynamics import SegmentPlacements, inverse_dynamics, inverse_dynamics_on_base, joint_frames, mass_matrix
 from .floating_base import free_flyer_model, project_columns
-from .leg_data import LARGEST_BALL, Base, Contact, LegData, to_numbers, without_side
+from .leg_data import LARGEST_BALL, Base, Contact, LegData, without_side
 from .link_frames import held_directions, link_frame, lowest_point
 from .loops import Loops
 from .model import build_model, with_dynamic_parameters
@@ -174,8 +174,8 @@ class Leg(LegData):
         Raises:
             ExoidError: The number of values is wrong, or one is not finite.
         """
-        array = to_numbers(values)
-        if array.shape != self.parameters.shape or not np.isfinite(array).all():
+        array = checked(values, "parameters")
+        if array.shape != self.parameters.shape:
             raise BadArgumentError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
         adjusted = self.reduction.adjust(self.link_parameters, array)
         return replace(self, model=with_dynamic_parameters(self.model, adjusted))

@@ -281,7 +281,11 @@ class LegData:
         Raises:
             ExoidError: Shapes differ, or do not fit the number of joints.
         """
-        checked = tuple(np.atleast_2d(to_numbers(x)) for x in arrays)
+        try:
+            checked = tuple(np.atleast_2d(np.asarray(x, dtype=np.float64)) for x in arrays)
+        except (TypeError, ValueError) as error:
+            what = f"not an array of numbers ({error})"
+            raise BadArgumentError(what, remedy="pass numbers, samples first") from error
         n = len(self.joint_names)
         if any(x.shape != checked[0].shape or x.shape[1] != n or x.ndim != 2 for x in checked):
             raise BadArgumentError(
@@ -316,14 +320,6 @@ class LegData:
         if torso is None:
             return rest(self.model.gravity.linear, count)
         return base_kinematics(torso, count, self.plane, self.hip)
-
-
-def to_numbers(values: ArrayLike) -> FloatArray:
-    """Convert to an array of numbers."""
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise BadArgumentError(f"not an array of numbers ({error})", remedy="pass numbers, samples first") from error
 
 
 def without_side(names: Sequence[str]) -> tuple[str, ...]:

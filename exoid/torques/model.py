@@ -365,7 +365,7 @@ class TorqueModel(RegressorModel):
         """Select the samples from which the terms can be identified."""
         usable = np.ones((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F")
         for block in self.blocks:
-            of_term = block.term.usable(_of_joints(v, block.joints))
+            of_term = block.term.usable(v[:, block.joints[0] if len(block.joints) == 1 else block.joints])
             if not of_term.all():
                 for joint in block.joints:
                     usable[:, self.leg.base_rows + joint] &= of_term
@@ -373,17 +373,11 @@ class TorqueModel(RegressorModel):
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
         """Select the samples at which a joint turns round, so that its friction is not a function of its velocity."""
-        found = [(block.joints, block.term.reversing(_of_joints(v, block.joints))) for block in self.blocks]
-        if all(mask is None for _, mask in found):
-            return None
-        reversing = np.zeros((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F")
-        for joints, mask in found:
-            if mask is not None:
-                for joint in joints:
-                    reversing[:, self.leg.base_rows + joint] |= mask
-        return reversing
-
-
-def _of_joints(v: FloatArray, joints: tuple[int, ...]) -> FloatArray:
-    """Velocity of one joint, (N,), or velocities of those that a term couples, (N, m)."""
-    return v[:, joints[0]] if len(joints) == 1 else v[:, list(joints)]
+        reversing, asked = np.zeros((len(v), len(self.leg.row_names)), dtype=np.bool_, order="F"), False
+        for block in self.blocks:
+            of_term = block.term.reversing(v[:, block.joints[0] if len(block.joints) == 1 else block.joints])
+            if of_term is not None:
+                asked = True
+                for joint in block.joints:
+                    reversing[:, self.leg.base_rows + joint] |= of_term
+        return reversing if asked else None
