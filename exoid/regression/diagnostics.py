@@ -180,11 +180,7 @@ def parameter_scale(r_factors: Sequence[RFactor]) -> FloatArray:
     """Return the size of each parameter that would explain, alone, all torque of a joint it acts on, (P,)."""
     # That is ‖τ‖ / ‖W_i‖ of the joint where it is smallest; zero for one that left no trace.
     norms = np.array([np.linalg.norm(r_factor.R, axis=0) for r_factor in r_factors])
-    return _smallest_size(norms[:, :-1], norms[:, -1:])
-
-
-def _smallest_size(columns: FloatArray, torques: FloatArray) -> FloatArray:
-    """Size that explains a torque (n, 1) by a column (n, P) alone, where it is smallest, (P,); 0 for none."""
+    columns, torques = norms[:, :-1], norms[:, -1:]
     there = (columns > 0.0) & (torques > 0.0)  # a passive joint has no torque to explain
     sizes = np.divide(torques, columns, out=np.full_like(columns, np.inf), where=there).min(axis=0)
     return np.where(np.isfinite(sizes), sizes, 0.0)
@@ -213,7 +209,8 @@ def reference_scale(
     columns = np.abs(model.regressor(q, v, np.pi * a)).max(axis=0) / math.sqrt(3.0)
     joints = len(columns)
     squares = np.array([[t.R[:, -1] @ t.R[:, -1], t.rows] for t in r_factors]).reshape(-1, joints, 2).sum(axis=0)
-    return _smallest_size(columns, np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0)))
+    torques = np.sqrt(squares[:, :1] / np.maximum(squares[:, 1:], 1.0))
+    return parameter_scale([RFactor(row[np.newaxis], 1, 1.0) for row in np.hstack([columns, torques])])
 
 
 def identifiability_class(value: float, std: float, size: float, calm: float = np.inf, index: float = 1.0) -> str:
