@@ -83,7 +83,9 @@ class SelfTuning:
         count = state.q.reshape(n, -1).shape[1]
         values = np.tile(self.source.values[:, None], count).reshape(-1, *state.q.shape[1:])
         unknown = np.full((3, n, count), np.nan)
-        return SelfTuningMemory(values, values, (self._start,) * count, np.zeros((0, 3, n, count)), unknown, unknown[0])
+        loose = replace(self.source, covariance=100.0 * self.source.covariance)  # so that the prior counts once
+        online = (started(self.settings, begin_online(self.settings), loose),) * count
+        return SelfTuningMemory(values, values, online, np.zeros((0, 3, n, count)), unknown, unknown[0])
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
         """Compute the torque, and refresh the parameters by the torque held in ``state.last``; see the class."""
@@ -155,12 +157,6 @@ class SelfTuning:
     def _known(self) -> OnlineState:
         """What is known before the first sample, as rows of a recursive estimator."""
         return started(self.settings, begin_online(self.settings), self.source)
-
-    @cached_property
-    def _start(self) -> OnlineState:
-        """State of the recursive estimator before the first sample."""
-        loose = replace(self.source, covariance=100.0 * self.source.covariance)  # so that the prior counts once
-        return started(self.settings, begin_online(self.settings), loose)
 
 
 def self_tuning(

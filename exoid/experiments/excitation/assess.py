@@ -109,32 +109,21 @@ def assess(
         raise BadArgumentError("no recordings to assess", remedy="pass at least one")
     model, limits = TorqueModel(leg, terms_of(leg, terms)), limits or MotionLimits.of(leg)
     if stands := on_ground(model, recordings):
-        scales = _scales_on_ground(model, limits, values, recordings, preparation)
+        # over random states on the supports of a log, with the least joint torques that hold them
+        rng, tables = np.random.default_rng(0), []
+        for support, _ in supports_during(model, recordings, preparation):
+            q, v, a = reference_states(limits, STATES // 4, rng)
+            turn, change, force = rng.uniform(-1.0, 1.0, (3, len(q), 3))
+            base = BaseKinematics(turn, change, force + np.array([0.0, 0.0, GRAVITY])) if leg.base_rows else None
+            W, shares = support.regressor(q, v, a, base), support.row_shares(q)
+            tables.append(W if shares is None else np.einsum("njr,nrp->njp", shares, W))
+        scales = Scales.over(expected_parameters(model, values), np.vstack(tables))
     else:
         scales = Scales.of(model, limits, values)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     recorded = information_of(model, recordings, torque_noise, preparation)
     advice = () if stands else _advise(model, limits, torque_noise, scales, recorded)
     return Assessment(recorded.precision(model, scales), advice, torque_noise)
-
-
-def _scales_on_ground(
-    model: TorqueModel,
-    limits: MotionLimits,
-    values: Mapping[str, float] | None,
-    recordings: Sequence[Recording],
-    preparation: Preparation | None,
-) -> Scales:
-    """Compute the scales over random states on the supports of a log, with the least joint torques that hold them."""
-    expected, rng, tables = expected_parameters(model, values), np.random.default_rng(0), []
-    for support, _ in supports_during(model, recordings, preparation):
-        q, v, a = reference_states(limits, STATES // 4, rng)
-        turn, change, force = rng.uniform(-1.0, 1.0, (3, len(q), 3))
-        base = BaseKinematics(turn, change, force + np.array([0.0, 0.0, GRAVITY])) if model.leg.base_rows else None
-        W = support.regressor(q, v, a, base)
-        shares = support.row_shares(q)
-        tables.append(W if shares is None else np.einsum("njr,nrp->njp", shares, W))
-    return Scales.over(expected, np.vstack(tables))
 
 
 def _advise(

@@ -13,7 +13,7 @@ from exoid.leg.link_frames import link_frame
 from exoid.leg.model import joint_axis
 from exoid.tools.extras import require_mujoco
 
-from .plant import Block, GroundPlant, Sole
+from .plant import GroundPlant, Sole
 
 SOLE_SOLREF = [0.015, 1.0]
 """Time constant [s] and damping of a rubber sole: two to three times the weight at touch-down."""
@@ -37,8 +37,15 @@ def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 
     spec.compiler.degree = False
     bodies = _add_bodies(spec, mujoco, plant)
     spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[50.0, 50.0, 1.0])
+    x, y, z, w = pin.Quaternion(np.column_stack(plant.plane)).coeffs()
+    box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "quat": [w, x, y, z], "condim": 3}
     for block in plant.blocks:
-        _add_block(spec, mujoco, plant, block)
+        middle = 0.5 * (block.start + block.stop) * plant.plane.forward + 0.5 * block.height * plant.plane.up
+        size = 0.5 * np.array([block.stop - block.start, 100.0, block.height])
+        geom = spec.worldbody.add_geom(size=size, pos=middle, **box)
+        if block.friction is not None:  # it overrides that of the soles
+            geom.friction, geom.priority = [block.friction, 0.0, 0.0], 2
+            geom.solref, geom.solimp = SOLE_SOLREF, SOLE_SOLIMP
     for link, sole in plant.soles.items():
         _add_sole(bodies, mujoco, plant, link, sole)
     try:
@@ -49,18 +56,6 @@ def build_mujoco_model(plant: GroundPlant, step: float) -> Any:  # noqa: ANN401 
             where=plant.leg.description.name,
             remedy="check masses and moments of inertia: no link can have those given",
         ) from error
-
-
-def _add_block(spec: Any, mujoco: Any, plant: GroundPlant, block: Block) -> None:  # noqa: ANN401
-    """Add a block of the scene; one with friction of its own overrides that of the soles."""
-    plane = plant.plane
-    middle = 0.5 * (block.start + block.stop) * plane.forward + 0.5 * block.height * plane.up
-    size = 0.5 * np.array([block.stop - block.start, 100.0, block.height])
-    x, y, z, w = pin.Quaternion(np.column_stack(plane)).coeffs()
-    geom = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=middle, quat=[w, x, y, z], condim=3)
-    if block.friction is not None:
-        geom.friction, geom.priority = [block.friction, 0.0, 0.0], 2
-        geom.solref, geom.solimp = SOLE_SOLREF, SOLE_SOLIMP
 
 
 def geometry_name(link: str, number: int) -> str:
