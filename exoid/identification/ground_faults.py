@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -26,7 +26,7 @@ from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .footing import Footing, footing_effects
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Effects, best_reading, change_recordings, equations, residual
+from .row_changes import Effects, beside, best_reading, change_recordings, equations, on_points, residual
 
 SIZES = {
     "torque-scale": (0.02, 0.3, "1", 4.0),
@@ -36,14 +36,19 @@ SIZES = {
     "known-torque": (0.02, 10.0, "1", 4.0),
     "wrench-delay": (2e-3, 0.1, "s", 4.0),
     "gravity-direction": (np.deg2rad(0.5), 0.1, "rad", 4.0),
+    "contact-place": (2e-3, 0.05, "m", 4.0),
 }
 """Step at which effects are computed, standard deviation before any log is seen, and unit of the size s of each kind,
 and how many standard deviations of correlated noise it is from zero at least. Healthy walkers (seeds 20 to 34, with and
 without IMU) reach 3.1, constant torques 1.7.
 
 Without the fault the torque is τ (1 + s), the angle q − s, or the torque τ − s q or τ − s, in the joint's direction;
-or measured wrenches are 1 + s times as large, or read s later, or gravity is turned about a level axis by s.
+or measured wrenches are 1 + s times as large, or read s later, gravity is turned about a level axis by s, or a contact
+is s further along an axis.
 """
+
+Place = int | tuple[str, int]
+"""What a fault acts on: a joint, a number below zero for all, or a link and an axis: forward, left or up."""
 
 
 def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
@@ -77,29 +82,30 @@ def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
 
 
 def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
-    """Find the fault of a joint, or of all wrenches, that explains most, and those that explain about as much."""
+    """Find the fault of a joint, a contact or all wrenches that explains most, and those that explain about as much."""
     names, leg, count = fitted.models[0].leg.joint_names, fitted.models[0].leg, len(fitted.problem.names)
     if any(model.leg.joint_names != names for model in fitted.models):
         return
     passive = {name for one in fitted.problem.motions for name in one.passive}  # their torque is no measurement
     joints = [joint for joint, name in enumerate(names) if name not in passive]
     unbiased = [joint for joint in without_offset(fitted.models[0]) if joint in joints]
-    sensed = any(_loaded(one) for one in fitted.problem.motions)
-    acts_on = {"angle-offset": range(len(names)), "torque-offset": unbiased, "known-torque": [-1] * sensed}
-    leans = [-2, -3] if leg.base == "fixed" and not leg.limbs else []  # about one level axis or the other
-    acts_on |= {"wrench-delay": [-1] * sensed, "gravity-direction": leans}
-    faults = [(kind, joint) for kind in SIZES for joint in acts_on.get(kind, joints)]
+    sensed = [link for one in fitted.problem.motions for link in _loaded(one)]
+    every, leans = [-1] * bool(sensed), [-2, -3] if leg.base == "fixed" and not leg.limbs else []  # about level axes
+    at = [(link, axis) for link in on_points(fitted, sensed) for axis in ((0, 2) if leg.limbs else (0, 1, 2))]
+    acts_on: dict[str, Sequence[Place]] = {"angle-offset": range(len(names)), "torque-offset": unbiased}
+    acts_on |= {"known-torque": every, "wrench-delay": every, "gravity-direction": leans, "contact-place": at}
+    faults = [(kind, place) for kind in SIZES for place in acts_on.get(kind, joints)]
     found = equations(fitted, _effects(fitted, footing, faults))
     # Each is tried alone, beside the numbers of the footing: a lean of the ground may imitate a zero
-    beside = np.flatnonzero(found.free[: -len(faults)])
-    plain = scaled_inverse(found.information[np.ix_(beside, beside)]) @ found.right[beside]
+    free = np.flatnonzero(found.free[: -len(faults)])
+    plain = scaled_inverse(found.information[np.ix_(free, free)]) @ found.right[free]
     gains, values, stds = np.zeros((3, len(faults)))
-    moves, own = np.zeros((len(faults), count)), beside[beside < count]
+    moves, own = np.zeros((len(faults), count)), free[free < count]
     for k in range(len(faults)):
-        tested = np.append(beside, len(found.free) - len(faults) + k)
+        tested = np.append(free, len(found.free) - len(faults) + k)
         inverse = scaled_inverse(found.information[np.ix_(tested, tested)])
         solution = inverse @ found.right[tested]
-        gains[k] = found.right[tested] @ solution - found.right[beside] @ plain
+        gains[k] = found.right[tested] @ solution - found.right[free] @ plain
         # Residuals are correlated, and rows count by a third, as for delays
         values[k], stds[k] = solution[-1], np.sqrt(3.0 * inverse[-1, -1])
         moves[k, own] = solution[: len(own)] - plain[: len(own)]
@@ -108,26 +114,28 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     # scales of 1.1 and angles 3° off explain 0.18 of the squared residuals
     if gains[best] < 0.02 * found.squares or abs(values[best]) < SIZES[faults[best][0]][3] * stds[best] or flipped:
         return
-    every, mended = range(len(fitted.problem.groups)), _mended(fitted.problem, footing, *faults[best], values[best])
-    if best_reading(fitted.problem, every, mended) is not None:  # torques of other signs, or in another order
+    groups, mended = range(len(fitted.problem.groups)), _mended(fitted.problem, footing, *faults[best], values[best])
+    if best_reading(fitted.problem, groups, mended) is not None:  # torques of other signs, or in another order
         return
     half = 2.0 * np.sqrt(np.diag(fitted.fit.solution.covariance))
-    labels = (*names, *[""] * 3)
+    labels = dict[Place, str](enumerate(names)) | {place: place[0] for place in at}
     alike = [k for k in np.argsort(-gains).tolist() if gains[k] > 0.8 * gains[best]]
     for k in alike:
-        (kind, joint), (_, _, unit, _), told = faults[k], SIZES[faults[k][0]], KINDS[faults[k][0]]
+        (kind, place), (_, _, unit, _), told = faults[k], SIZES[faults[k][0]], KINDS[faults[k][0]]
         ends = values[k] + np.array([0.0, -2.0, 2.0]) * stds[k]
         if kind == "torque-scale":  # of the log over what it should be
             ends = 1.0 / np.maximum(1.0 + ends, 1e-3)
         ends += kind == "known-torque"
-        text = told.message(Nuisance(kind, labels[joint], joint, unit, ()), float(ends[0]), values[[k]])
-        places = (filter(None, (faults[x][0], labels[faults[x][1]])) for x in alike if x != k)
-        others = " or ".join(" at ".join(place) for place in places)
+        where, ways = labels.get(place, ""), (("before", "behind"), ("left of", "right of"), ("above", "below"))
+        way = "" if isinstance(place, int) else ways[place[1]][int(values[k] < 0.0)]
+        text = told.message(Nuisance(kind, where, -1, unit, (), way), float(ends[0]), values[[k]])
+        places = (filter(None, (faults[x][0], labels.get(faults[x][1]))) for x in alike if x != k)
+        others = " or ".join(dict.fromkeys(" at ".join(place) for place in places))
         more = f"; {others} would explain this log about as well" if others else ""
         moved = in_half_widths(moves[k], half)
         severity: Severity = "error" if moved.max(initial=0.0) > FAR_MOVE else "warning"
         yield Finding(
-            *(kind, labels[joint], float(ends[0]), unit, severity, text + more, told.remedy),
+            *(kind, where if where in names else "", float(ends[0]), unit, severity, text + more, told.remedy),
             (float(ends.min()), float(ends.max())),
             tuple(fitted.problem.names[each] for each in np.flatnonzero(moved > DOUBTFUL_MOVE)),
         )
@@ -138,7 +146,7 @@ def _loaded(one: Recording) -> dict[str, Wrench]:
     return {link: x for link, x in one.wrenches.items() if np.linalg.norm(x.force.mean(axis=0)) > LEAST_LOAD}
 
 
-def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, int]]) -> Effects:
+def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, Place]]) -> Effects:
     """Take a small fault out of all recordings, each behind the numbers of a footing."""
     others = [_mended(fitted.problem, footing, *one, SIZES[one[0]][0]) for one in faults]
     steps, stds = np.array([SIZES[kind][:2] for kind, _ in faults]).T
@@ -157,8 +165,10 @@ def _effects(fitted: Fitted, footing: Footing | None, faults: list[tuple[str, in
     return Effects([*about.others, *others], steps, stds, means, of_rows, [len(about.others) + k for k in scales])
 
 
-def _mended(problem: Problem, footing: Footing | None, kind: str, joint: int, size: float) -> Problem:
-    """Take a fault of a size out of all recordings, or a lean of a fixed base out of the model."""
+def _mended(problem: Problem, footing: Footing | None, kind: str, joint: Place, size: float) -> Problem:
+    """Take a fault of a size out of all recordings, or a lean of a fixed base or a place of a contact of the model."""
+    if not isinstance(joint, int):
+        return beside(problem, *joint, size)
     if kind != "gravity-direction":
         return change_recordings(problem, partial(_without, footing, kind, joint, size))
     groups = []

@@ -129,11 +129,8 @@ def shared_agreement(
         left = np.full(len(alone.names), max(1.0, count - len(alone.names)))
         dofs.append(left if found.dofs is None else np.clip(found.dofs, 1.0, left))
     names = problem.groups[0].model.names
-    places = {
-        name: [group * len(names) + names.index(name) for group in range(len(groups))]
-        for name in layout.names[: layout.shared]
-        if name not in problem.prior_knowledge.known
-    }
+    shared = [name for name in layout.names[: layout.shared] if name not in problem.prior_knowledge.known]
+    places = {name: [k * len(names) + names.index(name) for k in range(len(groups))] for name in shared}
     covariance = scipy.linalg.block_diag(*blocks)
     equality = equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs))
     # Probability with which groups that do share their parameters would be said not to

@@ -93,6 +93,7 @@ class Result:
             whole = np.zeros((len(nonlinear),) * 2)  # zero for those that are held
             whole[np.ix_(places, places)] = covariance[count:, count:]
             nonlinear = replace(nonlinear, covariance=whole)
+        short = () if white else short_runs(found.noises, joints)
         return cls(
             fitted=fitted,
             estimator=estimator,
@@ -107,11 +108,7 @@ class Result:
             collinearity=collinearity,
             nonlinear=nonlinear,
             inputs=tuple(dict.fromkeys(inputs)) if standing else tuple(inputs),
-            warnings=(
-                *fitted.warnings,
-                *collinearity.warnings(problem.names),
-                *(() if white else short_runs(found.noises, joints)),
-            ),
+            warnings=(*fitted.warnings, *collinearity.warnings(problem.names), *short),
         )
 
     def estimate(self, group: int, common: tuple[str, ...]) -> Estimate:
@@ -179,12 +176,8 @@ class Result:
         found += unlike_logs(fitted, scaled=False) if group == 0 else ()
         tables = [each.R for one in groups for each in one.r_factors]
         found += impossible_leg(estimate.model.leg, values, estimate.covariance, tables)
-        stretches = [
-            Stretch(one.model.links, (), recording)
-            for one in groups
-            if isinstance(one.model, SupportModel)
-            for recording in one.motions
-        ]
+        resting = [(one.model.links, one.motions) for one in groups if isinstance(one.model, SupportModel)]
+        stretches = [Stretch(links, (), recording) for links, motions in resting for recording in motions]
         found += cone_findings(estimate, stretches)
         return replace(estimate, findings=ordered((*estimate.findings, *found)))
 
@@ -206,10 +199,8 @@ class Result:
         single = [f"{name}: {text}" for name, one in estimates.items() for text in one.warnings[len(common) :]]
         own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
         apart = set(problem.names if len(layout.groups) < 2 else layout.own)
-        notes = [
-            f"{one}" + ("" if set(one.into) <= apart else ", and so the same in all groups")
-            for one in self.fitted.models[0].regrouped
-        ]
+        also = ", and so the same in all groups"
+        notes = [f"{one}{'' if {*one.into} <= apart else also}" for one in self.fitted.models[0].regrouped]
         return GroupedEstimate(
             estimates=estimates,
             layout=layout,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -99,10 +99,8 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
 
 def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
     """Find points and edges whose force passes beside them: a foot that rolls, or that rests on another part."""
-    problem, found, step = fitted.problem, dict[str, Problem](), 2e-3  # [m]
-    for link in dict.fromkeys(link for group in problem.groups for link in _on_points(group)):
-        groups = [_beside(group, link, step) if link in _on_points(group) else group for group in problem.groups]
-        found[link] = replace(problem, groups=tuple(groups))
+    step = 2e-3  # [m]
+    found = {link: beside(fitted.problem, link, 0, step) for link in on_points(fitted)}
     if not found:
         return
     each = np.ones(len(found))
@@ -116,20 +114,25 @@ def contact_offsets(fitted: Fitted) -> Iterator[Finding]:
             yield Finding("contact-kind", "", x, "m", "warning", text, remedy, (x - band, x + band))
 
 
-def _on_points(group: Group) -> list[str]:
-    """Feet that rest on points and edges."""
-    leg, links = group.model.leg, group.model.links if isinstance(group.model, SupportModel) else ()
-    of_feet = (link for link in links if link_frame(leg.model, leg.description, link).body >= 0)
-    return [link for link in of_feet if leg.contact_kind(link) != "flat" and leg.model.existFrame(link)]
+def on_points(fitted: Fitted, others: Iterable[str] = ()) -> list[str]:
+    """Feet that rest on points and edges, by an unknown force or among others."""
+    leg = fitted.models[0].leg
+    unknown = (link for model in fitted.models if isinstance(model, SupportModel) for link in model.links)
+    feet = [link for link in dict.fromkeys((*unknown, *others)) if leg.contact_kind(link) != "flat"]
+    frames = ((link, link_frame(leg.model, leg.description, link)) for link in feet if leg.model.existFrame(link))
+    return [link for link, frame in frames if frame.body >= 0]
 
 
-def _beside(group: Group, link: str, step: float) -> Group:
-    """Let a foot rest a step before its place."""
-    leg, model = group.model.leg, group.model.leg.model.copy()
-    frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
-    forward = held_directions(leg.model, leg.description, link, leg.plane)[0, :3]
-    frame.placement = frame.placement * pin.SE3(np.eye(3), step * forward)
-    return replace(group, model=replace(group.model, leg=replace(leg, model=model)))
+def beside(problem: Problem, link: str, axis: int, step: float) -> Problem:
+    """Let a foot rest a step before, left of or above its place [m]."""
+    groups = []
+    for group in problem.groups:
+        leg, model = group.model.leg, group.model.leg.model.copy()
+        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+        along = held_directions(leg.model, leg.description, link, leg.plane)[axis, :3]
+        frame.placement = frame.placement * pin.SE3(np.eye(3), step * along)
+        groups.append(replace(group, model=replace(group.model, leg=replace(leg, model=model))))
+    return replace(problem, groups=tuple(groups))
 
 
 def row_changes(fitted: Fitted, effects: Effects) -> RowChanges:

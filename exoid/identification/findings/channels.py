@@ -97,9 +97,9 @@ def saturation(channel: Channel) -> Iterator[Finding]:
             continue
         share = count / len(x)
         message = (
-            f"{share:.1%} of the {channel.noun}s are exactly {rail:.4g} {channel.unit}: the sensor or the amplifier is "
-            f"at its limit, and the true {channel.noun} is larger"
+            f"{share:.1%} of the {channel.noun}s are exactly {rail:.4g} {channel.unit}: the sensor or the amplifier"
         )
+        message = f"{message} is at its limit, and the true {channel.noun} is larger"
         remedy = "record a slower or smaller motion, raise the limit, or cut out these segments"
         severity: Severity = "error" if share > 0.05 else "warning"
         yield Finding("saturation", channel.joint, rail, channel.unit, severity, message, remedy)
@@ -205,10 +205,8 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     odd &= np.minimum(*(size * part for part in beside)) < 0.3 * size**2
     if odd.sum() >= max(4, 0.002 * len(x)):
         share, lean = float(np.mean(odd)), float(np.mean(np.sign(apart[odd])))
-        message = (
-            f"{share:.1%} of the {channel.noun}s are spikes of {float(np.median(deviation[odd])):.3g} {channel.unit}"
-            + (", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else "")
-        )
+        message = f"{share:.1%} of the {channel.noun}s are spikes of {np.median(deviation[odd]):.3g} {channel.unit}"
+        message += ", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else ""
         remedy = "remove them at their source, or identify with the estimator huber"
         yield Finding("spikes", channel.joint, share, "1", "warning", message, remedy)
 

@@ -140,6 +140,11 @@ KINDS = {
         "correct their time stamps",
         signs=("after the motion", "before the motion"),
     ),
+    "contact-place": Kind(
+        2e-3,
+        "{joint} touches the ground {milli:.2g} mm {form} the place that it is said to be at, in its zero pose",
+        "measure this place on its link, and correct its frame in the URDF (contacts=)",
+    ),
     "unmodelled-friction": Kind(
         None,
         "the residual of {joint} depends on its velocity or load as {form} does",

@@ -45,39 +45,56 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
     plain = Reading("", "", "", "", (1.0,) * n, (1.0,) * n, tuple(range(n)), tuple(range(n)))
     yield plain
 
-    def only(j: int, factor: float) -> tuple[float, ...]:
-        return tuple(factor if k == j else 1.0 for k in range(n))
+    def only(joints: Sequence[int], factor: float) -> tuple[float, ...]:
+        return tuple(factor if k in joints else 1.0 for k in range(n))
 
+    twins = _twins(names)
+    each = (*((j,) for j in range(n)), *twins)
+    several = [(one, ", ".join(names[j] for j in one), " and ".join(names[j] for j in one)) for one in each]
     sign = plain._replace(kind="torque-sign", remedy="negate the column where the log is read", value=-1.0)
-    for j, joint in enumerate(names):
-        text = f"the torque of {joint} has the wrong sign"
-        if j == 0:  # a leg that is its own mirror image
+    for joints, joint, both in several:
+        text = f"the torque of {both} has the wrong sign"
+        if joints == (0,):  # a leg that is its own mirror image
             text = f"{text}, or its angle has"
-        yield sign._replace(joint=joint, message=text, torques=only(j, -1.0))
+        yield sign._replace(joint=joint, message=text, torques=only(joints, -1.0))
     if n > 1:
         yield sign._replace(message="all torques have the wrong sign, or all angles have", torques=(-1.0,) * n)
-        for j, joint in enumerate(names):
-            turned = sign._replace(kind="angle-sign", joint=joint, angles=only(j, -1.0))
-            yield turned._replace(message=f"the angle of {joint} has the wrong sign, or its axis in the URDF has")
-            text = f"angle and torque of {joint} have the wrong sign, or its axis in the URDF has"
-            yield turned._replace(message=text, torques=only(j, -1.0))
+        for joints, joint, both in several:
+            turned = sign._replace(kind="angle-sign", joint=joint, angles=only(joints, -1.0))
+            yield turned._replace(message=f"the angle of {both} has the wrong sign, or its axis in the URDF has")
+            text = f"angle and torque of {both} have the wrong sign, or its axis in the URDF has"
+            yield turned._replace(message=text, torques=only(joints, -1.0))
         milli = plain._replace(kind="torque-scale", value=1e3, remedy="convert it to N·m (tau_<joint>=HEADER:0.001)")
         for j, joint in enumerate(names):
-            yield milli._replace(joint=joint, message=f"the torque of {joint} is in N·mm", torques=only(j, 1e-3))
+            yield milli._replace(joint=joint, message=f"the torque of {joint} is in N·mm", torques=only([j], 1e-3))
+    remedy = "map the columns by name (columns=, --column NAME=HEADER)"
     for i, k in combinations(range(n), 2):
         swapped = tuple(k if j == i else i if j == k else j for j in range(n))
-        both, remedy = f"{names[i]} and {names[k]}", "map the columns by name (columns=, --column NAME=HEADER)"
+        both = f"{names[i]} and {names[k]}"
         swap = plain._replace(kind="joint-order", joint=f"{names[i]}, {names[k]}", remedy=remedy)
         yield swap._replace(message=f"the torques of {both} are swapped", torque_order=swapped)
         if n > 4 and k > i + 1:  # other angles need all rows anew: of many joints, only neighbours
             continue
         yield swap._replace(message=f"the angles of {both} are swapped", angle_order=swapped)
         yield swap._replace(message=f"{both} are swapped", angle_order=swapped, torque_order=swapped)
+    if len(twins) > 1:
+        other = dict([*twins, *(pair[::-1] for pair in twins)])
+        text, order = "the torques of left and right are interchanged", tuple(other.get(j, j) for j in range(n))
+        yield plain._replace(kind="joint-order", message=text, remedy=remedy, torque_order=order)
     unit, remedy = float(np.pi / 180.0), 'read the log with angle_unit="deg" (--degrees), or convert the column'
     degrees = plain._replace(kind="angle-scale", remedy=remedy, value=1.0 / unit)
     yield degrees._replace(message="all angles are degrees", angles=(unit,) * n)
     for j, joint in enumerate(names if n > 1 else ()):
-        yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only(j, unit))
+        yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only([j], unit))
+
+
+def _twins(names: Sequence[str]) -> list[tuple[int, int]]:
+    """Joints on the left with those of the same name on the right."""
+    for left, right in (("left", "right"), ("L", "R"), ("l_", "r_"), ("_l", "_r")):
+        others = [(name.replace(right, left, 1), k) for k, name in enumerate(names) if right in name]
+        if found := [(names.index(other), k) for other, k in others if other in names]:
+            return found
+    return []
 
 
 def gross_findings(fitted: FittedLeg, evidence: Evidence, *, angles: bool) -> tuple[Finding, ...]:

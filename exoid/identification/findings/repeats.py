@@ -24,12 +24,9 @@ def _without_copies(group: Group) -> Group:
         # what two recordings share only if they are the same; of one file there may be several parts
         angles = (array.tobytes() for array in (one.lowest, one.highest, one.mean))
         first.setdefault((one.evidence.sha256, one.evidence.samples, one.evidence.segments, *angles), place)
-    kept = sorted(first.values())
-    findings = [
-        _finding(1.0, f"{_name(summaries, k)} was passed twice: counted once", summaries[k].source)
-        for k in range(len(summaries))
-        if k not in set(kept)
-    ]
+    kept, twice = sorted(first.values()), "was passed twice: counted once"
+    again = [k for k in range(len(summaries)) if k not in set(kept)]
+    findings = [_finding(1.0, f"{_name(summaries, k)} {twice}", summaries[k].source) for k in again]
     if not findings:
         return group
     rest: Data

@@ -17,7 +17,6 @@ from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.excitation import MotionLimits, assess
 from exoid.leg.description import describe
 from exoid.signals.link_wrenches import wrenches_on_links
-from exoid.torques.contacts import split
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
 
@@ -89,14 +88,6 @@ def test_the_motion_says_when_a_foot_is_down():
     touched, closed = (np.flatnonzero(np.diff(flags.astype(int)) > 0) for flags in (found, jumps.contacts["foot"]))
     assert len(touched) == 3  # the switch bounces
     assert np.abs(touched[:, None] - closed).min(axis=1).max() < 0.05 * jumps.sample_rate
-
-
-def test_a_late_switch_is_named_by_the_fall_of_the_foot():
-    jumps, late = log("jump"), round(0.04 * study.RATE)
-    switch = np.append(np.zeros(late, dtype=bool), jumps.contacts["foot"][:-late])
-    for read, least, most in ((jumps.contacts["foot"], 0.0, 0.0), (switch, 0.03, 0.045)):
-        found = split(hopper()[1], replace(jumps, contacts={"foot": read})).late
-        assert least <= found.get("foot", 0.0) <= most
 
 
 @pytest.mark.nightly
@@ -179,17 +170,23 @@ def mistaken(kind, leg, one):
         one = replace(one, wrenches={"foot": replace(wrench, force=np.roll(wrench.force, later, axis=0))})
     elif kind == "joint-order":
         one = replace(one, tau=one.tau[:, [0, 2, 1]])
+    elif kind == "contact-kind":
+        one = replace(one, contacts={"foot": np.roll(one.contacts["foot"], 2 * later)})
+    elif kind == "contact-place":
+        foot = model.frames[model.getFrameId("foot")]
+        foot.placement = foot.placement * pin.SE3(np.eye(3), np.array([0.02, 0.0, 0.0]))
     else:
         model.gravity.linear = pin.exp3(np.deg2rad(5.0) * leg.plane.lateral) @ model.gravity.linear
     return replace(leg, model=model), one
 
 
-@pytest.mark.parametrize("kind", ["wrench-delay", "joint-order", "gravity-direction"])
+@pytest.mark.parametrize("kind", ["wrench-delay", "joint-order", "gravity-direction", "contact-place", "contact-kind"])
 def test_a_mistake_of_a_hopper_on_the_ground_is_named(kind):
     logs = [log(each, plate=kind == "wrench-delay") for each in ("jump", "press")]
     leg, logs = zip(*(mistaken(kind, hopper()[1], one) for one in logs), strict=True)
-    found = {one.kind for one in exoid.identify(leg[0], logs, study.TERMS, cutoff=15.0).findings}
-    assert kind in found
+    found = {one.kind: one for one in reversed(exoid.identify(leg[0], logs, study.TERMS, cutoff=15.0).findings)}
+    size = {"contact-place": -0.02, "contact-kind": 0.04}.get(kind, found[kind].value)
+    assert found[kind].value == pytest.approx(size, abs=0.006)
     assert "torque-delay" not in found
 
 
