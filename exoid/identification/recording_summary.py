@@ -20,14 +20,10 @@ from exoid.torques import TorqueModel
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
 
-MOST = 0.5  # torque that has one and the same value in more than this part of the samples was not measured
-
 
 class Torques(NamedTuple):
     """Values that the torque of each joint has, (n,) each."""
 
-    first: FloatArray  # in the first sample [N·m]
-    constant: NDArray[np.bool_]  # whether all others are the same
     middle: FloatArray  # their median [N·m]
     share: FloatArray  # part of the samples that have exactly the median
     measured: NDArray[np.bool_]  # whether there are any, or the joint is passive
@@ -65,13 +61,10 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
     torques = None
     if chosen.tau is not None:
         tau = chosen.tau[counted]
-        first = tau[0].copy()  # a view would keep all of it
         middle = np.median(tau[:: 1 + len(tau) // 100_000], axis=0)  # of samples spread over a long recording
         passive, computed = (np.isin(chosen.joint_names, getattr(chosen, name, ())) for name in ("passive", "computed"))
-        each = list(zip(tau.T, first, middle, strict=True))
-        constant = np.array([bool((of_joint == value).all()) for of_joint, value, _ in each])
-        share = np.array([np.count_nonzero(of_joint == common) / len(tau) for of_joint, _, common in each])
-        torques = Torques(first, constant, middle, share, ~np.isnan(first), passive, computed)
+        share = np.array([np.count_nonzero(x == common) / len(tau) for x, common in zip(tau.T, middle, strict=True)])
+        torques = Torques(middle, share, ~np.isnan(tau[0]), passive, computed)
     return RecordingSummary(
         evidence(data),
         data.file_name,
@@ -126,9 +119,9 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
         what = "no joint has a measured torque: without one, only ratios of parameters could be found"
         remedy = "record the torque of a joint that is not passive, or the wrench that moves the leg"
         raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy)
-    values = np.array([torques.first for torques in every])
+    values = np.array([torques.middle for torques in every])
     first = values[driven.argmax(axis=0), np.arange(len(values[0]))]
-    same = np.array([torques.constant for torques in every]) & (values == first)
+    same = np.array([torques.share == 1.0 for torques in every]) & (values == first)
     constant = (same | ~driven).all(axis=0) & driven.any(axis=0)
     names = model.leg.joint_names
     dead = {joint: value for joint, value, is_dead in zip(names, first, constant, strict=True) if is_dead}
@@ -147,7 +140,7 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     for index, joint in enumerate(names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
-            if MOST < share < 1.0 and not torques.passive[index]:
+            if 0.5 < share < 1.0 and not torques.passive[index]:  # the rest was not measured
                 raise NotIdentifiableError(
                     f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of samples, and it moves",
                     where=one.source,

@@ -187,11 +187,8 @@ class State:
         return every
 
     def test(self, nuisance: Nuisance, plain: State, limit: float = 1.0) -> Score | None:
-        """Test one fault, which moves the parameters of a fit without protecting columns.
-
-        None where its columns leave no trace beside those fitted, or it is less probable than the limit and explains
-        little.
-        """
+        """Test one fault; None where it leaves no trace beside the fit, or is likely in noise and explains little."""
+        # the parameters that it moves are those of a plain fit, without protecting columns
         columns, tests = list(nuisance.columns), self._tests
         own = np.ix_(columns, columns)
         size = np.sqrt(np.diag(tests.size)[columns])
