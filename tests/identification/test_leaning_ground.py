@@ -177,8 +177,8 @@ def test_bands_of_the_ground_force_hold_on_the_ground_of_a_log_that_is_predicted
     options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "lean": np.deg2rad(degrees)}
     log = standing(exo, "left", seconds=5.0, seed=1100, **options)
     ground = exoid.ground_forces(of_level_ground, with_imu(log, 7) if imu else log.recording)["left_foot"]
-    wrench = log.wrenches["left_foot"]
-    forward, up = (np.abs(ground.force - wrench.force)[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
-    pitch = np.abs(ground.moment - wrench.moment)[:, 1] <= ground.moment_half[:, 1]
+    wrench, rows = log.wrenches["left_foot"], np.searchsorted(log.recording.time, ground.time)
+    forward, up = (np.abs(ground.force - wrench.force[rows])[:, axis] <= ground.force_half[:, axis] for axis in (0, 2))
+    pitch = np.abs(ground.moment - wrench.moment[rows])[:, 1] <= ground.moment_half[:, 1]
     assert min(forward.mean(), up.mean(), pitch.mean()) > 0.93
     assert np.median(ground.force_half[:, 0]) < 0.02 * np.median(wrench.force[:, 2])
