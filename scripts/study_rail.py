@@ -3,6 +3,7 @@
     python scripts/study_rail.py --seeds 8           # seeds from 1000, about half a minute each on one core
     python scripts/study_rail.py --radius 0.015      # a ball of that radius [m], said to be a point: its centre
     python scripts/study_rail.py --radius 0.015 --said 0.015     # and said to be a ball
+    python scripts/study_rail.py --beside 0.02       # is a place of the foot named that is so far off?
 
 Each seed has a hopper of its own: masses, lengths, rotors, friction of joints and rail. It stands on a point and moves
 along a vertical rail. The force under the foot is measured in the training alone; the test has a foot switch. Noise:
@@ -191,10 +192,36 @@ def simulate(hopper: Hopper, kind: str, seconds: float, rng: np.random.Generator
     return Run(*(np.array(column) for column in zip(*rows, strict=True)), hopper.radius)
 
 
-def figures(seed: int, radius: float = RADIUS, said: float = 0.0) -> dict[str, float]:
+def named_places(hopper: Hopper, beside: float, rng: np.random.Generator) -> dict[str, float]:
+    """Describe the foot before, behind, above and below its place; how often is that named, with size and direction?"""
+    runs = [simulate(hopper, kind, 20.0, rng) for kind in ("jump", "press")]
+    sensed = {"switches": [run.recording(rng, plate=False) for run in runs]}
+    sensed["force measured in squats"] = [runs[1].recording(rng, plate=True)]
+    found = {}
+    for sensor, logs in sensed.items():
+        named = {}
+        for x, z in ((0.0, 0.0), (beside, 0.0), (-beside, 0.0), (0.0, beside), (0.0, -beside)):
+            text = hopper.urdf.replace(f'"0 0 -{hopper.long[1]}"', f'"{x} 0 {z - hopper.long[1]}"')
+            leg = exoid.Leg.from_description(describe(text, "hopper.urdf"), base="z", contacts={"foot": "point"})
+            told = exoid.identify(leg, logs, terms=TERMS, cutoff=CUTOFF).findings
+            named[x, z] = [one for one in told if one.kind == "contact-place"]
+        ways = {(beside, 0.0): "behind", (-beside, 0.0): "before", (0.0, beside): "below", (0.0, -beside): "above"}
+        right = [
+            any(way in one.message and abs(abs(one.value) - beside) < 0.2 * beside for one in named[place][:1])
+            for place, way in ways.items()
+        ]
+        found[f"{sensor}: wrong places named [%]"] = 100.0 * float(np.mean([bool(named[place]) for place in ways]))
+        found[f"{sensor}: with the right direction, and size within a fifth [%]"] = 100.0 * float(np.mean(right))
+        found[f"{sensor}: right places said to be wrong [%]"] = 100.0 * bool(named[0.0, 0.0])
+    return found
+
+
+def figures(seed: int, radius: float = RADIUS, said: float = 0.0, beside: float = 0.0) -> dict[str, float]:
     """Figures of one seed."""
     rng = np.random.default_rng(seed)
     hopper = Hopper.drawn(rng, radius)
+    if beside:
+        return named_places(hopper, beside, rng)
     leg = exoid.Leg.from_description(describe(hopper.urdf, "hopper.urdf"), base="z", contacts={"foot": said or "point"})
     runs = {kind: [simulate(hopper, kind, 20.0, rng) for _ in range(2)] for kind in ("jump", "press")}
     found = {}
@@ -225,4 +252,4 @@ def figures(seed: int, radius: float = RADIUS, said: float = 0.0) -> dict[str, f
 
 
 if __name__ == "__main__":
-    run_seeds(__doc__, figures, radius=RADIUS, said=0.0)
+    run_seeds(__doc__, figures, radius=RADIUS, said=0.0, beside=0.0)
