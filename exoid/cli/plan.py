@@ -95,7 +95,7 @@ class StanceOptions(NamedTuple):
 
     stance: Annotated[Text, Option(metavar="both,left", help="Plan squats, shifts and swings on these feet.")] = None
     supports: Annotated[Text, Option(metavar="A+B,C,air", help="Say what can be known on these links.")] = None
-    sole: Annotated[Texts, Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in its link [m]; BLEEX's.")] = None
+    sole: Annotated[Texts, Option(metavar="FOOT=HEEL,TOE,HEIGHT", help="Sole in its link [m].")] = None
     friction: Annotated[float, Option(metavar="MU", help="--stance: friction of the ground that is used.")] = 0.4
 
 

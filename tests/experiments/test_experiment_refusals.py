@@ -21,12 +21,14 @@ from exoid.experiments.excitation import MotionLimits, assess, plan_excitation, 
 from exoid.experiments.ground import Stance, bleex_machine, single_support, squats_and_shifts
 from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.limits import refuse_poses_beyond_limits
+from exoid.leg.description import describe
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors, Wearer, simulate
 from exoid.rig.ground import GroundPlant, Sole
 from exoid.rig.ground.plant import BLEEX_SOLES
 
 BLEEX, CUHK, EXO = exoid.load_leg("bleex"), exoid.load_leg("cuhk"), bleex_machine()
 FLOATING, GAIT = exoid.load_exo("bleex", base="floating"), healthy_gait(0.8, 1.2)
+OTHER = exoid.Leg.from_description(describe(FLOATING.description.plain, "other.urdf"), base="floating")
 UNDAMPED, DAMPED = ProportionalDerivative(400.0, 0.0), ProportionalDerivative(800.0, 60.0)
 POSE = [[0.5, 0.5]]
 TINY = {link: Sole.flat(-0.02, 0.02, -0.115) for link in BLEEX_SOLES}
@@ -119,6 +121,7 @@ REFUSED = {
         ("falls: at 5.", lambda: squats_and_shifts(EXO, 6.0, stance=Stance(frequency=1.6))),
         ("-48.4 mm", lambda: single_support(EXO, 1.0, stance=Stance(height=0.75))),
         ("three", lambda: bleex_machine("three")),
+        ("soles", lambda: plan_stance(OTHER)),
     ],
     NotSupportedError: [
         ("shoulder", lambda: gait_for_leg(arm(), GAIT)),

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -15,18 +13,14 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.control.functions.body import from_joint, refuse_backwards
 from exoid.control.model import ControlModel, completed
-from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
+from exoid.errors import NotIdentifiableError, NotSupportedError
 from exoid.estimate import Estimate
-from exoid.leg.catalog import load_exo
 from exoid.leg.floating_base import free_flyer_model, planar_coordinates
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import held_directions, link_frame
 from exoid.leg.model import configuration
 from exoid.rig.ground import GroundPlant, Sole
-from exoid.rig.ground.plant import BLEEX_SOLES, CUHK_SOLES
-
-SOLES: Mapping[str, Mapping[str, Sole]] = MappingProxyType({"bleex": BLEEX_SOLES, "cuhk": CUHK_SOLES})
-"""Soles of the built-in machines."""
+from exoid.rig.ground.plant import soles_of
 
 BRAKE = 5.0
 """Damping of the joints while nothing touches the ground [N·m·s/rad], an assumption."""
@@ -86,7 +80,9 @@ class GroundModel(ControlModel):
             model = cls.of_parameters(source.model, known.values)  # type: ignore[assignment]
         else:
             model = cls.of(source)  # type: ignore[assignment]
-        return replace(model, soles=_soles(model.leg, soles))
+        soles = soles_of(model.leg, soles)
+        refuse_backwards(model.leg, soles)
+        return replace(model, soles=soles)
 
     def gravity(self, q: FloatArray) -> FloatArray:
         """Compute the gravity torque of the joints, feet in the air and torso upright."""
@@ -171,20 +167,3 @@ class GroundModel(ControlModel):
         J, drift = np.array([J[0], J[1] + arm * J[2]]), drift[:2] - np.array([arm * turning**2, 0.0])
         turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
         return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]))
-
-
-def _soles(leg: Leg, soles: Mapping[str, Sole] | None) -> Mapping[str, Sole]:
-    """Soles that are given, or those of the built-in machine that the leg is by its name and lengths."""
-    known, name = soles, re.split(r"[._]", leg.description.name)[0]
-    if soles is None and name in SOLES:
-        own, built_in = (one.limbs[0].chain.offsets.round(9) for one in (leg, load_exo(name)))
-        known = SOLES[name] if np.array_equal(own, built_in) else None
-    if not known:
-        raise BadArgumentError(
-            "the soles of this machine are not known",
-            where=leg.description.name,
-            remedy='give soles={"left_foot": exoid.rig.ground.Sole.flat(heel, toe, height), ...}',
-            command='write the law in Python: exoid.codegen.write_c("law.c", exoid.control.stance(est, soles))',
-        )
-    refuse_backwards(leg, known)
-    return MappingProxyType(dict(known))

@@ -16,9 +16,8 @@ from exoid.experiments.ground.protocol import FRICTION, ProtocolMotion, protocol
 from exoid.experiments.ground.stance import GAINS
 from exoid.experiments.limits import MotionLimits
 from exoid.leg.leg import Leg
-from exoid.leg.link_frames import link_frame
 from exoid.rig.ground import GroundPlant, GroundRun, Sole
-from exoid.rig.ground.plant import BLEEX_SOLES
+from exoid.rig.ground.plant import soles_of
 from exoid.signals import Recording
 from exoid.tools.numbers import checked
 from exoid.torques import Term, TorqueModel
@@ -99,7 +98,7 @@ def plan_stance(
         leg: Planar machine on a floating base; its inertias give the expected forces and torques.
         terms: Terms as for :func:`exoid.identify`.
         feet: Support of each motion: "both" for all feet side by side, a leg ("left") or the link of its foot.
-        soles: Sole of each foot by its link; None for those of BLEEX.
+        soles: Sole of each foot by its link; None for those of a built-in machine.
         friction: Coefficient of friction that a motion may use, below that of the ground.
         duration: Total duration of the motions [s], divided evenly among them.
         rate: Rate of command and log [Hz].
@@ -125,12 +124,7 @@ def plan_stance(
     checked(friction, "friction", above=0.0)
     checked(rate, "the rate of a plan [Hz]", least=20.0)
     checked(duration / len(feet), "the duration on each support [s]", least=5.0)
-    if soles is None:
-        links = {element.get("name") for element in leg.description.parse().findall("link")}
-        present = [link for link in BLEEX_SOLES if link in links]
-        moving = [link for link in present if link_frame(leg.model, leg.description, link).body >= 0]
-        soles = {link: BLEEX_SOLES[link] for link in moving}
-    plant = GroundPlant.build(leg, soles)
+    plant = GroundPlant.build(leg, soles_of(leg, soles))
     if not plant.is_planar:
         raise NotSupportedError(
             "stance is planned for planar machines",

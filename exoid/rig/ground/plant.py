@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -10,6 +11,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.catalog import load_exo
 from exoid.leg.description import FARTHEST
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import link_frame
@@ -109,8 +111,27 @@ CUHK_SOLES: Mapping[str, Sole] = MappingProxyType(
 )
 """Passive ankles of CUHK-EXO at the end of its shanks (L_s by Winter's table): they hold no moment."""
 
+SOLES: Mapping[str, Mapping[str, Sole]] = MappingProxyType({"bleex": BLEEX_SOLES, "cuhk": CUHK_SOLES})
+"""Soles of the built-in machines."""
+
 SEAT = Sole.flat(-0.12, -0.02, -0.09)
 """Part of a torso that a chair bears, an assumption: below and behind the hip."""
+
+
+def soles_of(leg: Leg, soles: Mapping[str, Sole] | None) -> Mapping[str, Sole]:
+    """Soles that are given, or those of the built-in machine that the leg is by its name and lengths."""
+    known, name = soles, re.split(r"[._]", leg.description.name)[0]
+    if soles is None and name in SOLES:
+        own, built_in = ([limb.chain.offsets.round(9) for limb in one.limbs[:1]] for one in (leg, load_exo(name)))
+        known = SOLES[name] if np.array_equal(own, built_in) else None
+    if not known:
+        raise BadArgumentError(
+            "the soles of this machine are not known",
+            where=leg.description.name,
+            remedy='give soles={"left_foot": exoid.rig.ground.Sole.flat(heel, toe, height), ...}',
+            command="plan with --sole FOOT=HEEL,TOE,HEIGHT; write a law in Python: exoid.control.stance(est, soles)",
+        )
+    return MappingProxyType(dict(known))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
