@@ -108,10 +108,14 @@ def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
         looks = "as N·mm would be, or a current in mA times N·m per A"
     elif size < 1.0:
         looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-    message = f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias ask"
-    message = f"{message} for, {looks}; the log alone cannot tell"
-    remedy = "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A,"
-    remedy = f"{remedy} tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    message = (
+        f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias ask "
+        f"for, {looks}; the log alone cannot tell"
+    )
+    remedy = (
+        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    )
     # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit. The torques of
     # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
     severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
