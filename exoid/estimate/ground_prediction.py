@@ -87,24 +87,32 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         ExoidError: The base does not float, torque is missing, no link rests, or the recording is too short.
     """
     model, leg = estimate.model, estimate.model.leg
-    recording = _with_unknown_feet(leg, model.select(recording).resampled())
+    recording = model.select(recording).resampled()
+    where, contacts, others = recording.file_name, dict(recording.contacts), {}
     if recording.tau is None or not recording.measured.all():
-        raise UnreadableInputError(
-            "the torque of a joint is missing", where=recording.file_name, remedy="record all torques"
-        )
-    counted, valid = np.zeros(len(recording), dtype=np.bool_), estimate.preparation.kinematics(recording).valid
-    counted[valid] = True if recording.mask is None else recording.mask[valid]
-    recording, found = replace(recording, mask=counted), dict[str, list[GroundForce]]()
-    ground = find_ground(estimate, split(leg, recording, estimate.preparation))
+        raise UnreadableInputError("the torque of a joint is missing", where=where, remedy="record all torques")
+    for link, wrench in wrenches_on_links(leg, recording).items():  # those on what rests only tell when it does
+        flags = None if link == leg.description.root_link else contact_of(leg, link, wrench)
+        if flags is not None:
+            contacts.setdefault(link, flags)
+        elif link not in contacts:  # such as a harness
+            others[link] = wrench
+    recording, inside = replace(recording, contacts=contacts, wrenches=others), np.zeros(len(recording), dtype=np.bool_)
+    inside[estimate.preparation.kinematics(recording).valid] = True
+    settled, parallel = inside, estimate.preparation.parallel(recording.sample_rate)
+    if parallel is not None:  # at the ends of a log its low-pass has but one side
+        settled = parallel.among_zeros(inside[np.newaxis].astype(np.float64), range(len(inside)))[0] > 0.95
+    recording = replace(recording, mask=inside if recording.mask is None else inside & recording.mask)
+    found, ground = dict[str, list[GroundForce]](), find_ground(estimate, split(leg, recording, estimate.preparation))
     for stretch in ground.stretches:
         feet = [link for link in stretch.links if link != leg.description.root_link]
         if feet and leg.description.root_link not in stretch.links:
             for link, force in zip(feet, stretch_forces(estimate, ground, stretch, feet), strict=True):
-                found.setdefault(link, []).append(force)
+                kept = settled[stretch.recording.mask]
+                found.setdefault(link, []).append(GroundForce(*(x[kept] for x in force)))
     if not found:
-        raise NotIdentifiableError(
-            "no foot carries the leg alone", where=recording.file_name, remedy="record contacts of a standing leg"
-        )
+        remedy = "record contacts of a standing leg"
+        raise NotIdentifiableError("no foot carries the leg alone", where=where, remedy=remedy)
     return {link: in_time_order(parts) for link, parts in found.items()}
 
 
@@ -122,18 +130,6 @@ def level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
     return link_placements(leg, q * (leg.base_rows == 0), link).rotation
 
 
-def _with_unknown_feet(leg: Leg, recording: Recording) -> Recording:
-    """Keep only the contacts of links, and wrenches on what does not rest, such as a harness."""
-    contacts, others = dict(recording.contacts), {}
-    for link, wrench in wrenches_on_links(leg, recording).items():
-        flags = None if link == leg.description.root_link else contact_of(leg, link, wrench)
-        if flags is not None:
-            contacts.setdefault(link, flags)
-        elif link not in contacts:
-            others[link] = wrench
-    return replace(recording, contacts=contacts, wrenches=others)
-
-
 def stretch_forces(
     estimate: EstimateData, ground: Ground | None, stretch: Stretch, feet: Sequence[str]
 ) -> list[GroundForce]:
@@ -144,11 +140,14 @@ def stretch_forces(
     noisier = _noisier(leg, ground, stretch.recording, rng) if ground else ()
     again = [_solution(estimate, stretch._replace(recording=each), feet)[0] for each in noisier]
     of_motion = np.mean([(each - found) ** 2 for each in again], axis=(0, 1)) if again else 0.0
-    # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing)
-    once = np.zeros((found.shape[1], len(recording)))
+    # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing).
+    # At the cut-off that is half of the power, which counts over a period of it: the difference also passes zero.
+    once, parallel = np.zeros((found.shape[1], len(recording))), estimate.preparation.parallel(recording.sample_rate)
     once[:, recording.mask] = found.T
-    smeared = (once - _filtered(estimate, recording, once))[:, recording.mask].T
-    half = half_width(0.95, estimate.dof) * np.sqrt(std**2 + of_motion + smeared**2)
+    smeared = (once - _filtered(estimate, recording, once))[:, recording.mask].T ** 2
+    if parallel is not None:
+        smeared = 2.0 * scipy.ndimage.uniform_filter1d(smeared, round(parallel.rate / parallel.cutoff), axis=0)
+    half = half_width(0.95, estimate.dof) * np.sqrt(std**2 + of_motion + smeared)
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
         wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found, half))

@@ -103,32 +103,34 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
     else:
         directions = np.eye(3) if spatial else np.array([leg.plane.forward, leg.plane.up])
         size = FORCE if parts.imu is None or parts.imu.rocks else GRAVITY * TILT
-    count, found = len(directions), list[tuple[FloatArray, ...]]()
-    level = Ground(stretches, directions, np.zeros(count), size**2 * np.eye(count))
-    for stretch in stretches:
-        recording = stretch.recording
-        if not stretch.links or recording.tau is None or not recording.measured.all():
-            continue
-        support = SupportModel.of(estimate.model, stretch.links, recording.q[recording.mask])
-        steps = size * np.vstack([np.zeros(count), np.eye(count)])
-        rows = [make_rows(support, level.under(leg, recording, step), estimate.preparation) for step in steps]
-        weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # a log without noise has rows, too
-        left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
-        D = np.stack([left - each for each in moved], axis=-1) / size
-        starts = np.flatnonzero(np.diff(np.floor(rows[0].time / PIECE), prepend=np.nan))
-        others = D, left[..., np.newaxis], weights[:, np.newaxis] * rows[0].W
-        found.append(tuple(np.add.reduceat(np.einsum("nrk,nrp->nkp", D, other), starts) for other in others))
-    if not found:
-        return level
-    known, scores, of_values = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    prior = size**-2.0 * np.eye(count)
-    inverse = np.linalg.inv(known.sum(axis=0) + prior)
-    values = (inverse @ scores.sum(axis=0))[:, 0]
+    count = len(directions)
+    values, prior = np.zeros(count), size**-2.0 * np.eye(count)
+    ground = Ground(stretches, directions, values, size**2 * np.eye(count))
+    for _ in range(2):  # a lean of 3° is so large that its sine is not linear
+        found = []
+        for stretch in stretches:
+            recording = stretch.recording
+            if not stretch.links or recording.tau is None or not recording.measured.all():
+                continue
+            support = SupportModel.of(estimate.model, stretch.links, recording.q[recording.mask])
+            steps = values + size * np.vstack([np.zeros(count), np.eye(count)])
+            rows = [make_rows(support, ground.under(leg, recording, step), estimate.preparation) for step in steps]
+            weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # logs may have no noise
+            left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
+            D = np.stack([left - each for each in moved], axis=-1) / size
+            starts = np.flatnonzero(np.diff(np.floor(rows[0].time / PIECE), prepend=np.nan))
+            others = D, (left + D @ values)[..., np.newaxis], weights[:, np.newaxis] * rows[0].W
+            found.append(tuple(np.add.reduceat(np.einsum("nrk,nrp->nkp", D, other), starts) for other in others))
+        if not found:
+            return ground
+        known, scores, of_values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        inverse = np.linalg.inv(known.sum(axis=0) + prior)
+        values = (inverse @ scores.sum(axis=0))[:, 0]
     slopes = inverse @ of_values.sum(axis=0)
     apart = np.linalg.solve(known + prior, scores - known @ values[:, np.newaxis])[..., 0]
     share = 1.0 if stands else min(1.0, BLOCK / (PIECE * len(apart)))
     covariance = inverse + slopes @ estimate.covariance @ slopes.T + share * apart.T @ apart / len(apart)
-    stretches = tuple(each._replace(recording=level.under(leg, each.recording, values)) for each in stretches)
+    stretches = tuple(each._replace(recording=ground.under(leg, each.recording, values)) for each in stretches)
     return Ground(stretches, directions, values, covariance)
 
 

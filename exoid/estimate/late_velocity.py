@@ -51,9 +51,7 @@ def late_velocities(recording: Recording) -> Iterator[Finding]:
 
 def _delay(rows: FloatArray, logged: FloatArray) -> tuple[float, float, FloatArray] | None:
     """Gain, delay [s] and their standard deviations, from blocks of the record; None where nothing moves."""
-    if np.std(rows[:, 0]) == 0.0 or np.std(logged) == 0.0:
-        return None
-    whole = scaled_lstsq(rows, logged)
+    whole = scaled_lstsq(rows, logged) if min(np.std(rows[:, 0]), np.std(logged)) > 0.0 else np.zeros(2)
     gain = float(whole[0])
     if gain == 0.0:
         return None
