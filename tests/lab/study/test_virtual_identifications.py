@@ -86,7 +86,7 @@ def test_a_motion_of_a_protocol_is_its_reference():
 def test_a_study_is_what_its_replicates_are(result):
     """Figures from the chunks by hand."""
     done = [run_chunk(study(), number) for number in range(3)]
-    values = np.concatenate([chunk.values for chunk in done], axis=1)[0]
+    values = np.concatenate([values for values, *_ in done], axis=1)[0]
     (combination,) = result.combinations
     np.testing.assert_array_equal(combination.bias, (values - TRUTH).mean(axis=0))
     np.testing.assert_array_equal(combination.std, (values - TRUTH).std(axis=0, ddof=1))
@@ -128,7 +128,7 @@ def distances(estimators, std, share=1.0):
     whole = study(terms=smooth, noises=noises, replicates=replicates, chunk=20, estimators=estimators, cutoff=20.0)
     (motion,) = whole.protocols
     what = replace(whole, protocols=(replace(motion, seconds=share * motion.seconds),))
-    errors = np.concatenate([run_chunk(what, k).values for k in range(len(what.chunks))], axis=1) - TRUTH
+    errors = np.concatenate([run_chunk(what, k)[0] for k in range(len(what.chunks))], axis=1) - TRUTH
     return np.einsum("erp,pq,erq->er", errors, whole.information(0, 0), errors) / len(TRUTH)
 
 
