@@ -52,7 +52,7 @@ def main() -> None:
     kp, _ = default_gains(known, mean_pose(gait, PERIOD))
     warnings.simplefilter("ignore", UserWarning)  # about negative friction due to noise
     for number, protocol in enumerate(study.protocols):
-        values = run_chunk(study, number).values[0]
+        values = run_chunk(study, number)[0][0]
         models = [known, *(ControlModel.of_parameters(model, each) for each in values)]
         rows = []
         for name in LAWS:
