@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-from functools import partial
 
 import numpy as np
 import pytest
@@ -22,19 +21,13 @@ def folder(tmp_path_factory, data, estimate):
 
 
 @pytest.fixture
-def interaction(folder, exoid_, monkeypatch):
+def command(folder, exoid_, monkeypatch):
     monkeypatch.chdir(folder)
-    return partial(exoid_, "interaction", "leg.json")
+    return lambda verb, *words: exoid_(verb, "leg.json", *words)
 
 
-@pytest.fixture
-def validate(folder, exoid_, monkeypatch):
-    monkeypatch.chdir(folder)
-    return partial(exoid_, "validate", "leg.json")
-
-
-def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(interaction):
-    code, out, err = interaction("worn.csv", "--json")
+def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(command):
+    code, out, err = command("interaction", "worn.csv", "--json")
     assert (code, err) == (0, "")
     data = json.loads(out)
     assert data["worn"] is True
@@ -42,17 +35,17 @@ def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(interact
         assert figures["rms"] == pytest.approx(3.0 / np.sqrt(2.0), rel=0.05)
         assert figures["peak"] == pytest.approx(3.0, abs=0.6)
         assert figures["outside_band"] > 0.9
-    assert json.loads(interaction("bleex_swing:test", "--json")[1])["worn"] is False
+    assert json.loads(command("interaction", "bleex_swing:test", "--json")[1])["worn"] is False
 
 
-def test_the_table_ends_with_the_conclusion(interaction):
-    assert "worn: something acts on left_hip, left_knee, left_ankle" in interaction("worn.csv")[1]
-    assert "not worn: nothing beyond model error" in interaction("bleex_swing:test")[1]
+def test_the_table_ends_with_the_conclusion(command):
+    assert "worn: something acts on left_hip, left_knee, left_ankle" in command("interaction", "worn.csv")[1]
+    assert "not worn: nothing beyond model error" in command("interaction", "bleex_swing:test")[1]
 
 
-def test_the_csv_holds_the_torque_and_its_band(interaction, tmp_path):
+def test_the_csv_holds_the_torque_and_its_band(command, tmp_path):
     path = tmp_path / "torque.csv"
-    assert interaction("worn.csv", "-o", str(path))[0] == 0
+    assert command("interaction", "worn.csv", "-o", str(path))[0] == 0
     header, *rows = [line.split(",") for line in path.read_text().splitlines() if not line.startswith("#")]
     table = dict(zip(header, np.array(rows, dtype=np.float64).T, strict=True))
     found = exoid.interaction(exoid.Estimate.load("leg.json"), exoid.Recording.from_csv("worn.csv"))
@@ -60,28 +53,28 @@ def test_the_csv_holds_the_torque_and_its_band(interaction, tmp_path):
     assert np.array_equal(table["band_left_knee"], found.band[:, 1])
 
 
-def test_strides_give_the_phase(interaction):
-    _, out, _ = interaction("worn.csv", "--strides", "2,4,6,8", "--json")
+def test_strides_give_the_phase(command):
+    _, out, _ = command("interaction", "worn.csv", "--strides", "2,4,6,8", "--json")
     gait = json.loads(out)["gait"]
     assert gait["period"] == 2.0
     assert len(gait["phase"]) == len(gait["joints"]["left_hip"]["power"]) == 20
 
 
-def test_an_estimate_that_predicts_ends_in_status_0(validate):
-    code, out, err = validate("bleex_swing:test", "--strict")
+def test_an_estimate_that_predicts_ends_in_status_0(command):
+    code, out, err = command("validate", "bleex_swing:test", "--strict")
     assert (code, err) == (0, "")
     assert "verdict: predicts\n" in out
 
 
-def test_an_estimate_that_does_not_predict_ends_in_status_1_with_the_table(validate):
-    code, out, err = validate("negated.csv")
+def test_an_estimate_that_does_not_predict_ends_in_status_1_with_the_table(command):
+    code, out, err = command("validate", "negated.csv")
     assert (code, err) == (1, "")
     assert "R²" in out
     assert "verdict: does not predict" in out
 
 
-def test_a_poor_prediction_fails_only_under_strict(validate):
-    code, out, _ = validate("heavier.csv", "--json")
+def test_a_poor_prediction_fails_only_under_strict(command):
+    code, out, _ = command("validate", "heavier.csv", "--json")
     assert (code, json.loads(out)["verdict"]) == (0, "predicts poorly")
-    code, strict, _ = validate("heavier.csv", "--json", "--strict")
+    code, strict, _ = command("validate", "heavier.csv", "--json", "--strict")
     assert (code, strict) == (1, out)
