@@ -187,10 +187,10 @@ def _followed(read: FloatArray, said: FloatArray) -> tuple[FloatArray, float]:
     follows = (y @ axis) @ x / np.sum((y @ axis) ** 2)  # by noise about other axes it hardly turns
     normal = np.cross(axis, follows)
     length = float(np.linalg.norm(normal))
-    # readings that follow little, or against the base, are those of another motion: the foot rolls
-    sure = np.linalg.norm(follows) > 0.5 and axis @ follows > 0.0 and length > 0.0
+    sure = np.linalg.norm(follows) > 0.5 and axis @ follows > 0.0 and length > 0.0  # else the foot rolls
     scale = float(np.linalg.norm(x) / np.linalg.norm(y))
-    alike = scale < DEAD or axis @ follows > 0.98 * scale  # the correlation of both
+    # both are correlated; soles that yield in a walk roll with the base, by 0.003 rad/s
+    alike = scale < DEAD or (axis @ follows > 0.98 * scale and abs(scale - 1.0) * y.std() > 0.006)
     return normal * (np.arctan2(length, axis @ follows) / length if sure else 0.0), scale if alike else 1.0
 
 
