@@ -174,7 +174,7 @@ class Leg(LegData):
         Raises:
             ExoidError: The number of values is wrong, or one is not finite.
         """
-        array = checked(values, "parameters")
+        array = checked(values, f"parameters ({len(self.parameter_names)} finite values)")
         if array.shape != self.parameters.shape:
             raise BadArgumentError(f"expected {len(self.parameter_names)} finite values for {self.parameter_names}")
         adjusted = self.reduction.adjust(self.link_parameters, array)

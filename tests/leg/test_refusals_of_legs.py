@@ -145,7 +145,7 @@ REFUSED = {
         ("nominal", lambda: exoid.load_exo("cuhk", "cad")),
         ("'flying'", lambda: exoid.load_exo("bleex", base="flying")),
         *(
-            ("finite", lambda x=x: BLEEX.with_parameters(x))
+            ("9 finite", lambda x=x: BLEEX.with_parameters(x))
             for x in ([1.0] * 8, [1.0] * 10, [[1.0] * 9], 1.0, [], [np.nan, *[1.0] * 8], [np.inf] * 9)
         ),
         *(
