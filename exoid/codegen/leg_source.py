@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import ArrayLike
 from exoid._version import __version__
 from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
@@ -18,7 +18,7 @@ from .dialect import Dialect, identifier
 from .drives import commands_in_c
 from .source import CSource
 from .templates import fill
-from .terms import TermsInC, terms_in_c
+from .terms import terms_in_c
 from .tree import tree_in_c
 
 
@@ -37,7 +37,12 @@ def leg_source(
     if numbers.shape != (len(model.names),):
         what = f"{numbers.size} values of {len(model.names)} parameters"
         raise BadArgumentError(what, remedy=f"give one for each of {', '.join(model.names)}")
-    terms = terms_in_c(model, numbers, f"{prefix}_term", dialect)
+    terms, known = terms_in_c(model, numbers, f"{prefix}_term", dialect), named(model.names, numbers)
+    units = named(model.names, model.units)
+    tables = list(constants_of_bodies(leg, known, terms.rotor, dialect))
+    if terms.table:
+        rows = [(f"{each} [{units[each]}]", dialect.number(known[each])) for each in terms.table]
+        tables.append(Constants("term", "friction, springs and offsets", rows))
     text = fill(
         "leg.c.jinja",
         dialect,
@@ -49,7 +54,7 @@ def leg_source(
         gravity=GRAVITY,
         tree=tree_in_c(leg, numbers[: len(leg.parameter_names)], dialect),
         provenance=provenance,
-        tables=list(_tables(model, numbers, terms, dialect)),
+        tables=tables,
         terms=terms,
         commands=[] if actuators is None else commands_in_c(actuators, dialect),
         units=() if actuators is None else actuators.units,
@@ -61,8 +66,8 @@ def leg_source(
         "precision": dialect.real,
         "functions": list(functions),
         "joints": list(leg.joint_names),
-        "values": named(model.names, numbers),
-        "units": named(model.names, model.units),
+        "values": known,
+        "units": units,
         "merged": {regrouped.name: regrouped.into for regrouped in model.regrouped},
     }
     joints = ", ".join(leg.joint_names)
@@ -73,15 +78,3 @@ def leg_source(
         *(f"note: {regrouped}" for regrouped in model.regrouped),
     )
     return CSource({f"{prefix}.c": text}, prefix, dialect, model, functions, facts, summary, warnings)
-
-
-def _tables(model: TorqueModel, values: FloatArray, terms: TermsInC, dialect: Dialect) -> Iterator[Constants]:
-    """Tables of the template, each number with its label."""
-    known = dict(zip(model.names, values, strict=True))
-    yield from constants_of_bodies(model.leg, known, dialect)
-    rotors = [(f"rotor of {joint}", inertia) for joint, inertia in zip(model.leg.joint_names, terms.rotor, strict=True)]
-    yield Constants("rotor", "where it is a separate parameter [kg m^2]", rotors)
-    if terms.table:
-        units = dict(zip(model.names, model.units, strict=True))
-        rows = [(f"{name} [{units[name]}]", dialect.number(known[name])) for name in terms.table]
-        yield Constants("term", "friction, springs and offsets", rows)

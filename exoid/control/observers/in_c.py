@@ -31,13 +31,11 @@ def observer_in_c(
         "b": (np.full(n, one.b[0]), "gain of the observer, 1 - exp(-K T)"),
         "pole": (np.full(n, -one.a[1]), "exp(-K T)"),
     }
-    low_pass = "no_low_pass"
-    remembered: tuple[ArrayInC, ...] = ()
-    if alignment.filters is not None:
-        low_pass = "low_pass"
-        tables["low_b"] = alignment.filters[0].b, "numerator of the low-pass"
-        tables["low_a"] = alignment.filters[0].a, "denominator of the low-pass, the first coefficient 1"
-        remembered = (ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2))),)
+    unfiltered = np.array([1.0, 0.0, 0.0])  # as a low-pass that leaves channels as they are
+    low_pass = JointFilter(unfiltered, unfiltered) if alignment.filters is None else alignment.filters[0]
+    tables["low_b"] = low_pass.b, "numerator of the low-pass"
+    tables["low_a"] = low_pass.a, "denominator of the low-pass, the first coefficient 1"
+    remembered = ArrayInC("low_pass", "memory of the low-pass of q, v and tau_m", np.zeros((n, 3, 2)))
     law = describe(
         model,
         FrictionCompensation("measured", width),
@@ -46,7 +44,7 @@ def observer_in_c(
         equation="torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of the "
         "wearer)), p = M(q) v",
         step=step_of("observer"),
-        calls=("gravity", "springs", "rigid_bodies", "mass_matrix"),
+        calls=("gravity", "springs", "mass_matrix"),
         inputs=(InputInC("tau_m", "measured torques of the actuators [N m]", "reading"),),
         tables=tables,
         memory={
@@ -59,8 +57,8 @@ def observer_in_c(
     )
     return replace(
         law,
-        memory=(*law.memory, *remembered),
-        helpers=step_of("observer_helpers").replace("{{low_pass}}", step_of(low_pass)),
+        memory=(*law.memory, remembered),
+        helpers=step_of("observer_helpers"),
         gives="torque of the wearer on the leg",
         settling=settling,
         farthest=FASTEST / rate,
