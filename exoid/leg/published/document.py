@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -132,16 +132,14 @@ def _read(file_name: str) -> Document:
 
 
 def _table(number: str, entry: dict[str, Any]) -> PublishedTable:
-    caption = entry.pop("caption")
-    cells = {name: cell for name, cell in _flat(entry) if isinstance(cell, list)}  # others are words or formulas
-    values = {name: Quantity(float(digits), unit, str(digits)) for name, (digits, unit, *_) in cells.items()}
-    return PublishedTable(number, caption, MappingProxyType(values))
-
-
-def _flat(entry: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Name the cells of nested tables by their path: ``left.X1``."""
+    caption, columns = entry.pop("caption"), entry.pop("columns", [""])
+    cells: dict[str, Any] = {}
     for name, cell in entry.items():
-        if isinstance(cell, dict):
-            yield from _flat(cell, f"{prefix}{name}.")
-        else:
-            yield prefix + name, cell
+        cells |= {f"{name}.{row}": each for row, each in cell.items()} if isinstance(cell, dict) else {name: cell}
+    values = {
+        f"{column}.{name}".lstrip("."): Quantity(float(cell[k]), cell[-1], str(cell[k]))
+        for k, column in enumerate(columns)
+        for name, cell in cells.items()
+        if isinstance(cell, list)  # others are words or formulas
+    }
+    return PublishedTable(number, caption, MappingProxyType(values))
