@@ -35,7 +35,7 @@ function fitCamera(viewer, view) {
   function frame(printed = false) {
     if (turned) return;
     const [width, height] = printed ? PAPER : [window.innerWidth, Math.max(window.innerHeight, 1)], narrow = width <= 620;
-    const below = printed ? 0 : element("player").offsetHeight + (narrow && !element("plot").hidden ? element("plot").offsetHeight : 0);
+    const below = printed ? 0 : element("player").offsetHeight + (narrow ? element("plot").offsetHeight : 0);
     const covered = below > 0 ? Math.min((below + 16) / height, 0.6) : 0;
     const slope = Math.tan(viewer.camera.fov * Math.PI / 360);
     const needed = Math.max(view.half_height / (slope * (1 - covered)), view.half_width * height / (slope * width));
@@ -51,14 +51,18 @@ function fitCamera(viewer, view) {
   return frame;
 }
 
+function checkbox(parent, text, id = "") {
+  const label = make("label", parent), box = make("input", label);
+  label.append(text);
+  return Object.assign(box, { type: "checkbox", id });
+}
+
 function fillLegend(viewer, scene) {
   const node = finder(viewer), layers = element("layers");
   for (const layer of scene.layers) {
-    const label = make("label", layers);
-    const box = make("input", label);
-    box.type = "checkbox";
+    const box = checkbox(layers, layer.label), swatches = make("span", box.parentElement, "", "swatches");
     box.checked = true;
-    const swatches = make("span", label, "", "swatches");
+    box.after(swatches);
     for (const colour of layer.colours) make("i", swatches).dataset.colour = colour;
     const show = () => {
       for (const path of layer.paths) node(path).set_property("visible", box.checked);
@@ -66,7 +70,6 @@ function fillLegend(viewer, scene) {
     };
     box.addEventListener("change", show);
     show();
-    label.append(layer.label);
     if (layer.scale) make("small", layers, layer.scale);
   }
   for (const note of scene.notes) make("p", layers, note);
@@ -126,15 +129,6 @@ function drawStill(viewer) {
   still.width = size.width;
   still.height = size.height;
   still.getContext("2d").drawImage(size, 0, 0);
-}
-
-// A button that shows and hides something.
-function toggle(id, act) {
-  const button = element(id);
-  button.hidden = false;
-  const set = on => { button.setAttribute("aria-pressed", String(on)); act(on); };
-  button.addEventListener("click", () => set(button.getAttribute("aria-pressed") !== "true"));
-  return set;
 }
 
 function play(viewer, scene) {
@@ -198,14 +192,13 @@ function play(viewer, scene) {
   legend.open = window.innerWidth > 620;
   fillLegend(viewer, scene);
   const drawForPaper = followScheme(viewer, scene);
-  element("tools").hidden = false;
-  toggle("show-viewer", on => document.body.classList.toggle("viewer", on));
 
   const player = scene.duration > 0 ? play(viewer, scene) : null;
   const frame = fitCamera(viewer, scene.camera);
   const updates = [showNames(viewer, scene)];
   if (player) updates.push(player.update);
   if (player && scene.joints.some(joint => joint.measured)) updates.push(showPlot(scene, player.seek, frame));
+  checkbox(element("tools"), "Viewer controls", "show-viewer");
   frame();
   window.addEventListener("beforeprint", () => { frame(true); drawForPaper(); });
   window.addEventListener("afterprint", () => { viewer.set_3d_pane_size(); frame(); });

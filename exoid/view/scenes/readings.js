@@ -1,5 +1,3 @@
-const SVG = "http://www.w3.org/2000/svg";
-
 // Value of a series of frames at a time, or null where there is none.
 function at(series, time) {
   if (!series) return null;
@@ -17,11 +15,10 @@ function showNames(viewer, scene) {
     label.style.borderColor = joint.colour;
     return label;
   });
-  let shown = false;
-  const set = toggle("show-names", on => { shown = on; names.hidden = !on; });
-  set(false);
+  const box = checkbox(element("tools"), "Names and numbers", "show-names");
   return time => {
-    if (!shown) return;
+    names.hidden = !box.checked;
+    if (names.hidden) return;
     scene.joints.forEach((joint, i) => {
       const numbers = [[at(joint.angle, time), joint.unit], [at(joint.torque, time), joint.torque_unit]]
         .filter(([value]) => value !== null)
@@ -35,25 +32,17 @@ function showNames(viewer, scene) {
   };
 }
 
-function line(svg, className, x, y) {
-  const made = document.createElementNS(SVG, "line");
-  made.setAttribute("class", className);
-  for (const [name, value] of Object.entries({ x1: x[0], x2: x[1], y1: y[0], y2: y[1] })) made.setAttribute(name, value);
-  svg.append(made);
+function draw(tag, parent, attributes) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  parent.append(made);
   return made;
 }
 
-function curve(svg, className, series, height) {
-  const made = document.createElementNS(SVG, "path");
-  let path = "", pen = "M";
-  series.forEach((value, frame) => {
-    if (value === null) { pen = "M"; return; }
-    path += `${pen}${(frame * FRAME).toFixed(3)} ${height(value).toFixed(2)}`;
-    pen = "L";
-  });
-  made.setAttribute("class", className);
-  made.setAttribute("d", path);
-  svg.append(made);
+// Curve of a series of frames, with gaps where there is no value.
+function curve(series, height) {
+  const place = (value, frame) => `${series[frame - 1] == null ? "M" : "L"}${(frame * FRAME).toFixed(3)} ${height(value).toFixed(2)}`;
+  return series.map((value, frame) => value === null ? "" : place(value, frame)).join("");
 }
 
 // Measured and predicted torque over time, feet first, with a line at the time of the playback; a click goes to a time.
@@ -72,33 +61,32 @@ function showPlot(scene, seek, frame) {
     const figure = make("figure", box), caption = make("figcaption", figure);
     make("span", caption, joint.name).style.borderColor = joint.colour;
     const number = make("span", caption);
-    const svg = document.createElementNS(SVG, "svg");
     const values = [0, ...joint.torque, ...(joint.predicted ?? [])].filter(value => value !== null);
     const low = values.reduce((a, b) => Math.min(a, b)), high = Math.max(values.reduce((a, b) => Math.max(a, b)), low + 1e-9);
     const height = value => 62 - 60 * (value - low) / (high - low);
-    svg.setAttribute("viewBox", `0 0 ${scene.duration} 64`);
-    svg.setAttribute("preserveAspectRatio", "none");
-    svg.setAttribute("role", "img");
-    svg.setAttribute("aria-label", `Torque of ${joint.name} over time, ${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`);
-    line(svg, "zero", [0, scene.duration], [height(0), height(0)]);
-    curve(svg, "measured", joint.torque, height);
-    if (joint.predicted) curve(svg, "predicted", joint.predicted, height);
-    const now = line(svg, "now", [0, 0], [0, 64]);
+    const extent = `${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`;
+    const svg = draw("svg", figure, {
+      viewBox: `0 0 ${scene.duration} 64`, preserveAspectRatio: "none", role: "img", "aria-label": `Torque of ${joint.name} over time, ${extent}`,
+    });
+    draw("line", svg, { class: "zero", x2: scene.duration, y1: height(0), y2: height(0) });
+    draw("path", svg, { class: "measured", d: curve(joint.torque, height) });
+    if (joint.predicted) draw("path", svg, { class: "predicted", d: curve(joint.predicted, height) });
+    const now = draw("line", svg, { class: "now", y2: 64 });
     svg.addEventListener("click", event => {
       const box = svg.getBoundingClientRect();
       seek(scene.duration * (event.clientX - box.left) / box.width);
     });
-    figure.append(svg);
     const range = make("small", figure);
-    make("span", range, `${round(low, 1)} to ${round(high, 1)} ${joint.torque_unit}`);
+    make("span", range, extent);
     make("span", range, `${scene.duration.toFixed(1)} s`);
     return { joint, number, now };
   });
-  let shown = false;
-  const set = toggle("show-plot", on => { shown = on; plot.hidden = !on; frame(); });
-  set(window.innerWidth >= (many ? 1200 : 1000));
+  const box = checkbox(element("tools"), "Torque plot", "show-plot");
+  box.addEventListener("change", () => { plot.hidden = !box.checked; frame(); });
+  box.checked = window.innerWidth >= (many ? 1200 : 1000);
+  plot.hidden = !box.checked;
   return time => {
-    if (!shown) return;
+    if (plot.hidden) return;
     for (const { joint, number, now } of charts) {
       now.setAttribute("x1", time);
       now.setAttribute("x2", time);
