@@ -21,7 +21,6 @@ from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
 from exoid.torques.motion import BLOCK
-from exoid.torques.with_columns import WithColumns
 
 from .evidence import Evidence, Support, freeze
 from .finding import Finding
@@ -235,13 +234,13 @@ class EstimateData(ParameterTable):
         torque = self.model.columns(motion).transpose(2, 1, 0) @ self.values
         return torque if motion.payload is None else torque + motion.payload
 
-    @property
-    def band_model(self) -> WithColumns:
+    @cached_property
+    def band_model(self) -> TorqueModel:
         """Torque model with the columns that the band of a measured torque needs: friction of other forms."""
         if self.model_error is None:
-            return WithColumns(self.model, ())
+            return self.model
         rigid = self.values[: len(self.model.leg.parameter_names)]
-        return WithColumns(self.model, (AlternativeFriction(rigid, self.model_error.speed),))
+        return replace(self.model, extras=(AlternativeFriction(rigid, self.model_error.speed),))
 
     @property
     def noise_variance(self) -> FloatArray:
@@ -305,7 +304,7 @@ class EstimateData(ParameterTable):
         """
         model = self.band_model
         spread = self.measured_variance if measured else partial(parameter_variance, self.covariance)
-        motion = model.with_states(self.model.motion(q, v, a, torso))
+        motion = model.motion(q, v, a, torso)
         variance = np.empty((len(motion.q), len(self.model.row_names)))
         for start in range(0, len(variance), BLOCK):
             rows = slice(start, start + BLOCK)

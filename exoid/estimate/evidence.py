@@ -7,9 +7,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.diagnostics import JointNoise
+from exoid.regression.model import MotionSamples
 
 OUTLYING = 0.001  # share of the samples at each end of a range that may be outliers
 
@@ -24,10 +25,10 @@ class MotionRanges:
     acceleration: FloatArray  # largest size of the acceleration [rad/s²], (n,)
 
     @classmethod
-    def of(cls, q: FloatArray, v: FloatArray, a: FloatArray) -> MotionRanges:
-        """Measure the ranges of a motion, without the outermost thousandth of the samples."""
-        lowest, highest = np.quantile(q, [OUTLYING, 1.0 - OUTLYING], axis=0)
-        speed, acceleration = (np.quantile(np.abs(x), 1.0 - OUTLYING, axis=0) for x in (v, a))
+    def of(cls, motion: MotionSamples, used: BoolArray) -> MotionRanges:
+        """Measure the ranges of some samples of a motion, without the outermost thousandth of them."""
+        lowest, highest = np.quantile(motion.q[used], [OUTLYING, 1.0 - OUTLYING], axis=0)
+        speed, acceleration = (np.quantile(np.abs(x[used]), 1.0 - OUTLYING, axis=0) for x in (motion.v, motion.a))
         return cls(lowest, highest, speed, acceleration)
 
     def joined(self, other: MotionRanges) -> MotionRanges:

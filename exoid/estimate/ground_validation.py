@@ -15,7 +15,6 @@ from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.regression.every_row import make_rows
 from exoid.signals import Preparation, Recording
-from exoid.signals.cutoff import white_noise
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
 from exoid.torques.contacts.elimination import eliminate
@@ -24,6 +23,7 @@ from exoid.torques.contacts.standing_base import StandingBase, standing_base
 from exoid.torques.contacts.stretches import Split, Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
+from .compared import Compared, wrench_variance
 from .data import EstimateData
 from .torque_band import parameter_variance
 
@@ -34,16 +34,6 @@ PIECE, BLOCK = 0.25, 1.5
 stride, whose touch-downs are alike."""
 
 T = TypeVar("T", bound=tuple[FloatArray, ...])
-
-
-class Compared(NamedTuple):
-    """Measured and predicted torques, filtered alike."""
-
-    time: FloatArray  # samples that are compared [s], (N,)
-    measured: FloatArray  # measured torque [N·m], (N, n)
-    predicted: FloatArray  # predicted torque [N·m], (N, n)
-    variance: FloatArray  # variance of the measured torque about the predicted one [N²·m²], (N, n)
-    known: FloatArray  # part of both that is known: torque of measured wrenches and of payloads [N·m], (N, n)
 
 
 def compare_on_ground(
@@ -161,29 +151,6 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
         variance = np.einsum("njr,nr->nj", loop**2, variance)
     joints = slice(measured.shape[1] - len(estimate.joint_names), None)  # rows of the base stand before them, if any
     return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
-
-
-def wrench_variance(
-    estimate: EstimateData,
-    recording: Recording,
-    preparation: Preparation,
-    q: FloatArray,
-    links: Sequence[str] = (),
-    axes: FloatArray | None = None,
-) -> FloatArray:
-    """Variance of rows by white noise of measured wrenches, Σ (Jᵀ)² σ² behind the filter, (N, R)."""
-    # On a fixed base, residuals of the training have this noise where wrenches on the same links were measured. On a
-    # floating one, the rows of joints were without wrenches.
-    leg = estimate.model.leg
-    trained = {link for each in estimate.inputs for link in each.wrenches if not leg.base_rows}
-    variance = np.zeros((1, 1) if links else (len(q), leg.base_rows + len(leg.joint_names)))
-    for link, wrench in recording.wrenches.items():
-        if link not in trained:
-            columns = leg.frame_jacobian(q, link, wrench.point).transpose(1, 2, 0)
-            columns = eliminate(leg, links, q, axes).of(columns) if links else columns
-            std = white_noise(np.hstack([wrench.force, wrench.moment]))
-            variance = variance + np.einsum("crn,c->nr", columns**2, std**2)
-    return np.asarray(preparation.independent_fraction(recording.sample_rate) * variance)
 
 
 def _noise(estimate: EstimateData, row_names: tuple[str, ...]) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.torques import Motion, Presliding
-from exoid.torques.presliding import hysteresis
 from exoid.torques.terms import SMOOTHING
 
 LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
@@ -37,12 +37,10 @@ class AlternativeFriction:
         """Columns that can act on each joint: all, (n, K)."""
         return np.ones((len(self.speed), COUNT), dtype=np.bool_)
 
-    def motion(self, motion: Motion) -> Motion:
-        """Add presliding states."""
-        states = dict(motion.states)
-        for j, (q, v) in enumerate(zip(motion.q.T, motion.v.T, strict=True)):
-            states |= zip(((j, Presliding(x)) for x in LENGTHS), hysteresis(q, v, np.array(LENGTHS)), strict=True)
-        return motion._replace(states=states)
+    @property
+    def states(self) -> list[tuple[int, Presliding]]:
+        """Presliding states of each joint."""
+        return [*product(range(len(self.speed)), map(Presliding, LENGTHS))]
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
         """Write the columns."""

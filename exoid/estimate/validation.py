@@ -10,7 +10,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
-from exoid.regression.every_row import each_row
 from exoid.regression.intervals import half_width
 from exoid.regression.rows import prepare
 from exoid.signals import Recording
@@ -19,10 +18,11 @@ from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
 
+from .compared import Compared, compare_rows, wrench_variance
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
-from .ground_validation import LEVEL, Compared, compare_on_ground, wrench_variance
+from .ground_validation import LEVEL, compare_on_ground
 from .torque_filter import TorqueFilter, to_predict
 from .validation_checks import (
     as_trained,
@@ -238,18 +238,10 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     if stands(estimate.model.leg, recording):
         compared = compare_on_ground(estimate, recording, preparation, bandwidth)
     else:
-        model, count, parts = estimate.band_model, len(estimate.values), []
-        prepared = prepare(estimate.model, data, preparation, every=True)
-        prepared = prepared._replace(motion=model.with_states(prepared.motion))
-        for rows in each_row(model, prepared):
-            of_block = np.zeros_like(rows.tau) if rows.known is None else rows.known
-            spread = estimate.measured_variance(rows.W, bandwidth)
-            spread = spread + wrench_variance(estimate, data, preparation, rows.q)
-            torque = rows.W[..., :count] @ estimate.values
-            parts.append((rows.time, rows.tau + of_block, torque + of_block, spread, of_block))
+        prepared = prepare(estimate.band_model, data, preparation, every=True)
+        parts = (part for _, part in compare_rows(estimate, prepared, data, preparation, bandwidth))
         compared = Compared(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-        used, motion = prepared.inside, prepared.motion
-        ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
+        ranges = MotionRanges.of(prepared.motion, prepared.inside)
     time, measured, predicted, variance, known = compared
     measured[:, ~data.measured] = np.nan
     how: dict[str, Any] = {

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from exoid.signals import Poses, Preparation, Recording
 
-from .model import ColumnModel, RegressorModel
+from .model import RegressorModel
 from .row_data import Rows
 from .rows import OF_SAMPLES, Prepared, chain, form_rows, prepare
 
@@ -18,17 +16,16 @@ def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Prepa
     return chain(list(each_row(model, prepare(model, data, preparation, every=True))))
 
 
-def each_row(model: ColumnModel, prepared: Prepared) -> Iterator[Rows]:
+def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
     """Make a row of each sample of a recording that counts, or of poses, stretch by stretch."""
     # Towards the ends of a segment, both sides of τ = W β fade behind the filter, as it sees zeros beyond. Here
     # they are divided by what the filter makes of ones in all segments. Rows are then weighted means of the
     # torques around them, as one wants to see them, but those near the ends have more noise than others.
-    ones = prepared.inside[np.newaxis].astype(np.float64)
     for stretch in prepared.stretches():
         rows = form_rows(model, prepared, stretch)
         counted = prepared.inside[stretch.start : stretch.stop]
         if prepared.parallel is not None:
-            gain = np.where(counted, prepared.parallel.among_zeros(ones, stretch)[0], 1.0)
+            gain = prepared.gain(stretch)
             known = None if rows.known is None else rows.known / gain[:, None]
             rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], known=known)
         if not counted.all():

@@ -46,23 +46,19 @@ class MotionSamples(Protocol):
         """Some of the samples."""
 
 
-class ColumnModel(Protocol):
-    """What rows are formed with: columns of parameters, perhaps with others behind them."""
-
-    @property
-    def acting(self) -> NDArray[np.bool_]:
-        """Which parameters can act on which joint, (n, P)."""
-
-    def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as a torque model's `motion` returns it
-        """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
-
-
-class RegressorModel(ColumnModel, Protocol):
+class RegressorModel(Protocol):
     """τ = W(q, v, a) β: the part of :class:`exoid.torques.TorqueModel` that a regression needs."""
 
     @property
     def names(self) -> tuple[str, ...]:
         """Parameters, in the order of the columns, (P,)."""
+
+    @property
+    def acting(self) -> NDArray[np.bool_]:
+        """Which columns can act on which joint, (n, P)."""
+
+    def columns(self, motion: Any) -> FloatArray:  # noqa: ANN401 - as a torque model's `motion` returns it
+        """Columns of all parameters, and of torque that is known, (P or more, n, N)."""
 
     @property
     def row_joints(self) -> tuple[int, ...]:

@@ -15,7 +15,7 @@ from exoid.signals import ParallelFilter, Poses, Preparation, Recording
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
 
-from .model import ColumnModel, MotionSamples, RegressorModel
+from .model import MotionSamples, RegressorModel
 from .row_data import Rows, TakenOut
 
 BLOCK = 16384
@@ -70,6 +70,14 @@ class Prepared(NamedTuple):
         """Cut the rows into stretches of whole blocks that are worked on at once: more where rows are few."""
         count = self.block * max(1, min(BLOCKS // self.tau.shape[1], self.rows.step))
         return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
+
+    def gain(self, stretch: range) -> FloatArray:
+        """What the filter makes of ones in all segments: rows fade towards their ends, (M,); 1 where none counts."""
+        if self.parallel is None:
+            return np.ones(len(stretch))
+        ones = np.broadcast_to(1.0, (1, len(self.inside)))
+        counted = self.inside[stretch.start : stretch.stop : stretch.step]
+        return np.where(counted, self.parallel.among_zeros(ones, stretch, self.inside)[0], 1.0)
 
 
 def prepare(
@@ -161,7 +169,7 @@ def _without_torque(recording: Recording) -> ExoidError:
     return UnreadableInputError(what, where=where, remedy=remedy, command=command)
 
 
-def form_rows(model: ColumnModel, prepared: Prepared, stretch: range) -> Rows:
+def form_rows(model: RegressorModel, prepared: Prepared, stretch: range) -> Rows:
     """Form the regressor columns of a stretch of rows, and let columns and torque pass the filter."""
     # Columns are formed as far beyond both ends of the stretch as the filter reaches, so that they come out as
     # if those of the whole recording had been filtered. Samples that do not count are zero on both sides of τ =

@@ -21,8 +21,9 @@ from exoid.regression.model import RegressorModel
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
 from .catalog import turning_joints
-from .motion import BLOCK, LoadedMotion, Motion, random_base, random_motion
+from .motion import BLOCK, ExtraColumns, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
+from .presliding import Presliding
 from .regrouping import Regrouped, regroup
 from .term import Term, TermBlock, load_motion
 
@@ -40,6 +41,7 @@ class TorqueModel(RegressorModel):
         regrouped: Parameters of terms that other parameters include, because no motion distinguishes them (a rotor at
             the hip from J1). The constructor finds them, unless they are given for the same leg and terms.
         separate: Parameters that are not regrouped although no motion distinguishes them, as their values are known.
+        extras: Columns behind those of the parameters, such as faults of a log; a fit has none.
 
     Raises:
         ExoidError: A parameter occurs twice, a joint is missing, or
@@ -58,6 +60,7 @@ class TorqueModel(RegressorModel):
     rigid: FloatArray | None = None
     regrouped: tuple[Regrouped, ...] = None  # type: ignore[assignment]  # None only until it is found here
     separate: tuple[str, ...] = ()
+    extras: tuple[ExtraColumns, ...] = ()
 
     def __post_init__(self) -> None:
         """Check names, and find what is regrouped."""
@@ -125,7 +128,7 @@ class TorqueModel(RegressorModel):
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
-        """Which parameters can act on which row, (n, P) or (b + n, P); columns are zero elsewhere."""
+        """Which columns can act on which row, (n, P) or (b + n, P); they are zero elsewhere."""
         base_rows = self.leg.base_rows
         acting = np.zeros((len(self.row_names), len(self.names)), dtype=np.bool_)
         base = None if self.leg.base == "fixed" else random_base(10)
@@ -136,7 +139,14 @@ class TorqueModel(RegressorModel):
         for block in self.blocks:
             places = [self.names.index(name) for name in block.names if name in self.names]
             acting[np.ix_([base_rows + joint for joint in block.joints], places)] = True
-        return acting
+        return np.hstack([acting, *(extra.acting for extra in self.extras)])
+
+    @cached_property
+    def states(self) -> frozenset[tuple[int, Presliding]]:
+        """Internal states that the columns depend on: joint and kind of each."""
+        own = ((block.joints[0], block.term.internal_state) for block in self.blocks)
+        of_terms = frozenset((joint, state) for joint, state in own if state is not None)
+        return of_terms.union(*(extra.states for extra in self.extras))
 
     def dependent(self, apart: Sequence[str] = (), *, moving_base: bool = False) -> tuple[Regrouped, ...]:
         """Find parameters of terms that no motion tells from others, such as a rotor at the hip from J1.
@@ -253,9 +263,7 @@ class TorqueModel(RegressorModel):
             ExoidError: Shapes do not fit, or the leg does not have a joint that a payload names.
         """
         q, v, a = self.leg.samples(q, v, a)
-        needed = {(block.joints[0], block.term.internal_state) for block in self.blocks}
-        states = {(j, state): state.states(q[:, j], v[:, j]) for j, state in needed if state is not None}
-        motion = Motion(q, v, a, torso, states, computed=computed)
+        motion = Motion(q, v, a, torso, computed=computed).with_states(self.states)
         if not payloads:
             return motion
         return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q, torso))
@@ -280,15 +288,16 @@ class TorqueModel(RegressorModel):
             motion: Motion of N samples.
 
         Returns:
-            Columns, (P, n, N) or (P, b + n, N), each contiguous in memory. A linearised model has one more: known
-            torque.
+            Columns, (P, n, N) or (P, b + n, N), each contiguous in memory, and the extras behind them. A linearised
+            model has one more: known torque.
 
         Raises:
             ExoidError: The torso of a leg that is not a planar chain moves.
         """
         q, v, a, torso, *_ = motion
         names, count, base_rows = self.names, len(self.leg.parameter_names), self.leg.base_rows
-        out = np.zeros((len(names), base_rows + q.shape[1], len(q)))
+        sizes = [len(names), *(extra.acting.shape[1] for extra in self.extras)]
+        out = np.zeros((sum(sizes), base_rows + q.shape[1], len(q)))
         self.leg.fill_regressor(q, v, a, out[:count], torso)
         rigid = self.leg.parameters if self.rigid is None else self.rigid
         for start in range(0, len(q), BLOCK):
@@ -303,6 +312,9 @@ class TorqueModel(RegressorModel):
                 elif kept:
                     part[own, list(block.joints)] = block.columns(loaded)[kept]
                 row = own.stop
+        of_names, *others = np.split(out, np.cumsum(sizes)[:-1])
+        for extra, part in zip(self.extras, others, strict=True):
+            extra.fill(motion, of_names, part)
         return out
 
     def select(self, recording: Measured) -> Measured:

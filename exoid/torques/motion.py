@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,18 @@ class Motion(NamedTuple):
     payload: FloatArray | None = None
     computed: NDArray[np.bool_] | None = None
     measured: FloatArray | None = None
+
+    def with_states(self, needed: Iterable[tuple[int, Presliding]]) -> Motion:
+        """Add internal states of joints, which depend on all motion before a sample.
+
+        Args:
+            needed: Joint and kind of each.
+
+        Returns:
+            The motion with these states.
+        """
+        states = {(j, kind): kind.states(self.q[:, j], self.v[:, j]) for j, kind in needed}
+        return self._replace(states={**self.states, **states})
 
     def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
         """Select rows; consecutive ones are not copied.
@@ -99,6 +111,21 @@ class LoadedMotion(NamedTuple):
     load: FloatArray  # rigid-body torques, those of payloads and wrenches included [N·m]
     payload: FloatArray  # torques of payloads less those of measured wrenches [N·m], part of `load`
     states: Mapping[tuple[int, Presliding], FloatArray]  # internal states, (N,) each
+
+
+class ExtraColumns(Protocol):
+    """K columns behind those of a torque model's parameters, such as faults of a log or other friction."""
+
+    @property
+    def acting(self) -> NDArray[np.bool_]:
+        """Columns that can act on each joint, (n, K)."""
+
+    @property
+    def states(self) -> Iterable[tuple[int, Presliding]]:
+        """Internal states that they depend on: joint and kind."""
+
+    def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
+        """Write them, (K, n, N), beside those of the parameters, (P, n, N)."""
 
 
 def random_motion(samples: int, joints: int, closure: Closure | None = None) -> FloatArray:

@@ -37,40 +37,35 @@ class Presliding:
         Returns:
             State at each sample, (N,).
         """
-        return np.asarray(hysteresis(q, v, np.array([self.length]))[0])
-
-
-def hysteresis(q: FloatArray, v: FloatArray, lengths: FloatArray) -> FloatArray:
-    """States of presliding of several lengths on one path, as :meth:`Presliding.states`, (L, N)."""
-    # It starts at sgn(v) of the first sample, as if the joint had slid in that direction. At rest it starts at 0,
-    # as friction may be of either sign: |v| is at most 5 % of its RMS, as noise of the angle is. It does not
-    # change between two samples of zero velocity, so that separate poses do not affect each other.
-    if len(q) == 0:
-        return np.zeros((len(lengths), 0))
-    step = np.diff(q, prepend=q[:1])
-    step[1:][(v[1:] == 0.0) & (v[:-1] == 0.0)] = 0.0
-    # Speed of the first sample, over the RMS velocity, up to which a recording begins at rest
-    slides = abs(v[0]) > 0.05 * np.sqrt(np.mean(v**2))
-    start, sign = float(np.sign(v[0])) if slides else 0.0, np.sign(step)
-    moving = np.flatnonzero(sign)
-    if len(moving) == 0:
-        return np.full((len(lengths), len(step)), start)
-    turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step in each direction
-    counts = np.diff(np.append(0, turns[1:]), append=len(step))
-    path = np.cumsum(np.abs(step)) / lengths[:, None]
-    before = np.where(turns > 0, path[:, turns - 1], 0.0)
-    directions = sign[turns]
-    factor = np.exp(before - np.hstack([before[:, 1:], path[:, -1:]]))
-    # z_k ← factor_k z_{k−1} + x_k from z_{−1} = start on, by composing maps over 1, 2, 4, … reversals
-    x, reach = (1.0 - factor) * directions, 1
-    x[:, 0] += factor[:, 0] * start
-    factor[:, 0] = 0.0
-    while reach < x.shape[1] and factor[:, reach:].any():
-        x[:, reach:] += factor[:, reach:] * x[:, :-reach].copy()
-        factor[:, reach:] *= factor[:, :-reach].copy()
-        reach *= 2
-    first = np.insert(x[:, :-1], 0, start, axis=1)
-    s, first, before = (np.repeat(x, counts, axis=-1) for x in (directions, first, before))
-    z = s + (first - s) * np.exp(np.minimum(before - path, 0.0))
-    z[:, : turns[0]] = start
-    return np.asarray(z)
+        # It starts at sgn(v) of the first sample, as if the joint had slid in that direction. At rest it starts at 0,
+        # as friction may be of either sign: |v| is at most 5 % of its RMS, as noise of the angle is. It does not
+        # change between two samples of zero velocity, so that separate poses do not affect each other.
+        if len(q) == 0:
+            return np.zeros(0)
+        step = np.diff(q, prepend=q[:1])
+        step[1:][(v[1:] == 0.0) & (v[:-1] == 0.0)] = 0.0
+        # Speed of the first sample, over the RMS velocity, up to which a recording begins at rest
+        slides = abs(v[0]) > 0.05 * np.sqrt(np.mean(v**2))
+        start, sign = float(np.sign(v[0])) if slides else 0.0, np.sign(step)
+        moving = np.flatnonzero(sign)
+        if len(moving) == 0:
+            return np.full(len(step), start)
+        turns = moving[np.flatnonzero(np.diff(sign[moving], prepend=0.0))]  # first step in each direction
+        counts = np.diff(np.append(0, turns[1:]), append=len(step))
+        path = np.cumsum(np.abs(step)) / self.length
+        before = np.where(turns > 0, path[turns - 1], 0.0)
+        directions = sign[turns]
+        factor = np.exp(before - np.append(before[1:], path[-1]))
+        # z_k ← factor_k z_{k−1} + x_k from z_{−1} = start on, by composing maps over 1, 2, 4, … reversals
+        x, reach = (1.0 - factor) * directions, 1
+        x[0] += factor[0] * start
+        factor[0] = 0.0
+        while reach < len(x) and factor[reach:].any():
+            x[reach:] += factor[reach:] * x[:-reach].copy()
+            factor[reach:] *= factor[:-reach].copy()
+            reach *= 2
+        first = np.insert(x[:-1], 0, start)
+        s, first, before = (np.repeat(x, counts) for x in (directions, first, before))
+        z = s + (first - s) * np.exp(np.minimum(before - path, 0.0))
+        z[: turns[0]] = start
+        return np.asarray(z)

@@ -102,7 +102,7 @@ def test_inside_the_training_the_band_does_not_become_wider(leg, estimates, form
 
 def band_rows(estimate, *motion):
     model = estimate.band_model
-    return model.columns(model.with_states(estimate.model.motion(*motion))).transpose(2, 1, 0)
+    return model.columns(model.motion(*motion)).transpose(2, 1, 0)
 
 
 def test_the_model_error_grows_beyond_the_training(leg, estimates):

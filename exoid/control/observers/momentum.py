@@ -14,9 +14,8 @@ from exoid.control.model import ControlModel
 from exoid.errors import NotSupportedError
 from exoid.estimate import Estimate
 from exoid.tools.numbers import checked
-from exoid.torques import Motion, Presliding
+from exoid.torques import Motion
 from exoid.torques.terms import SMOOTHING
-from exoid.torques.with_columns import WithColumns
 
 
 class Momentum(NamedTuple):
@@ -69,8 +68,8 @@ class MomentumModel:
         if self.estimate is not None:
             still, rigid = np.zeros_like(q), len(values)
             motion = (np.tile(q, (3, 1)), np.vstack([still, v, still]), np.vstack([v, still, still]))
-            band, keys = self._band_model
-            states = {key: np.tanh(motion[1][:, key[0]] / SMOOTHING) for key in keys}  # contacts slide
+            band = self.estimate.band_model
+            states = {key: np.tanh(motion[1][:, key[0]] / SMOOTHING) for key in band.states}  # contacts slide
             pushed, moving, rest = np.split(band.columns(Motion(*motion, states=states)).transpose(2, 0, 1), 3)
             of_torque = -moving
             of_torque[:, :rigid] = (turned - gravity).transpose(2, 0, 1)
@@ -90,14 +89,6 @@ class MomentumModel:
         gravity, differences = columns[:, :, -1], columns[:, :, :n] - columns[:, :, n : 2 * n]
         mass = columns[:, :, 2 * n : -1] - gravity[:, :, None]
         return mass, 0.25 * np.einsum("nj,kjin->kin", v, differences), gravity
-
-    @cached_property
-    def _band_model(self) -> tuple[WithColumns, list[tuple[int, Presliding]]]:
-        """Model with the columns of a band, and joint and kind of each internal state."""
-        assert self.estimate is not None
-        model, nothing = self.estimate.band_model, np.zeros((2, self.model.n))
-        still = self.estimate.model.motion(nothing, nothing, nothing)
-        return model, list(model.with_states(still).states)
 
     @cached_property
     def _rotors(self) -> FloatArray:

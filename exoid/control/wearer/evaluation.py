@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.estimate import EstimateData
+from exoid.estimate.compared import compare_rows
 from exoid.estimate.evidence import MotionRanges
-from exoid.estimate.ground_validation import compare_on_ground, wrench_variance
-from exoid.regression.every_row import each_row
+from exoid.estimate.ground_validation import compare_on_ground
 from exoid.regression.rows import Prepared, prepare
 from exoid.signals import Preparation, Recording
 from exoid.signals.contacts import stands
@@ -43,23 +43,20 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
         compared = compare_on_ground(estimate, recording, preparation, bandwidth, unknown_wrenches=False)
         torque, variance = compared.predicted - compared.measured, compared.variance
         return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)
-    model, count, leg = estimate.band_model, len(estimate.values), len(estimate.model.leg.parameter_names)
-    rubbing, name = estimate.model.friction, recording.file_name
-    prepared, data = prepare(estimate.model, recording, preparation, every=True), estimate.model.select(recording)
-    prepared = prepared._replace(motion=model.with_states(prepared.motion))
+    leg, rubbing = len(estimate.model.leg.parameter_names), np.flatnonzero(estimate.model.friction)
+    name, prepared = recording.file_name, prepare(estimate.band_model, recording, preparation, every=True)
+    each = compare_rows(estimate, prepared, recording, preparation, bandwidth)
     noise = bandwidth * estimate.noise_variance
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)
     (unknown, dry), bodies, parts = _unknown_friction(estimate, prepared), np.zeros((leg + 1, leg + 1)), []
-    for stretch, rows in zip(prepared.stretches(), each_row(model, prepared), strict=True):
+    for stretch, (rows, of_rows) in zip(prepared.stretches(), each, strict=True):
         keep, share = _at_ends(prepared, stretch, unknown)
-        W, tau, share = rows.W[keep], rows.tau[keep], share[keep]
-        torque = W[..., :count] @ estimate.values - tau
+        W, torque = rows.W[keep], (of_rows.predicted - of_rows.measured)[keep]
         table = np.concatenate([W[..., :leg], torque[..., None]], axis=2) * precision[:, None]
         bodies += np.tensordot(table, table, axes=([0, 1], [0, 1]))
-        known = 0.0 if rows.known is None else rows.known[keep]
-        friction = W[..., :count][..., rubbing] @ estimate.values[rubbing]
-        variance = estimate.measured_variance(W, bandwidth) + wrench_variance(estimate, data, preparation, rows.q[keep])
-        parts.append((rows.time[keep], torque, torque + tau + known, variance, friction, share))
+        friction = W[..., rubbing] @ estimate.values[rubbing]
+        time, predicted, variance = (x[keep] for x in (of_rows.time, of_rows.predicted, of_rows.variance))
+        parts.append((time, torque, predicted, variance, friction, share[keep]))
     time, torque, predicted, variance, friction, share = (np.concatenate(part) for part in zip(*parts, strict=True))
     if not len(time):
         what, remedy = "no sample is so far from the ends of the recording that filters have settled", "record longer"
@@ -72,19 +69,16 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     level[slides] = np.nanmedian(size[:, slides], axis=0)
     # In a slow motion no sample slides so fast that the smooth sign of the model is the whole Coulomb friction
     variance = variance + (np.maximum(level, dry) * share) ** 2 / 3.0  # uniform between −c and c
-    used, motion = prepared.inside, prepared.motion
-    ranges = MotionRanges.of(motion.q[used], motion.v[used], motion.a[used])
+    ranges = MotionRanges.of(prepared.motion, prepared.inside)
     return Evaluation(time, torque, predicted, variance, noise, friction, ranges, bodies)
 
 
-def _at_ends(prepared: Prepared, stretch: range, unknown: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _at_ends(prepared: Prepared, stretch: range, unknown: FloatArray) -> tuple[BoolArray, FloatArray]:
     """Which counted rows have settled, (N,), and the share of each torque with unknown friction, (N, n)."""
-    inside, counted = prepared.inside, prepared.inside[stretch.start : stretch.stop]
-    if prepared.parallel is None:
-        return np.ones(int(counted.sum()), dtype=np.bool_), np.zeros((int(counted.sum()), len(unknown)))
-    gain = prepared.parallel.among_zeros(inside[np.newaxis].astype(np.float64), stretch)[0]
-    share = prepared.parallel.among_zeros(unknown, stretch, inside).T
-    return (gain > 1.0 - SETTLED)[counted], share[counted]
+    counted, share = prepared.inside[stretch.start : stretch.stop], np.zeros((len(stretch), len(unknown)))
+    if prepared.parallel is not None:
+        share = prepared.parallel.among_zeros(unknown, stretch, prepared.inside).T
+    return (prepared.gain(stretch) > 1.0 - SETTLED)[counted], share[counted]
 
 
 def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> tuple[FloatArray, FloatArray]:

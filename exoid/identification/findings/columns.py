@@ -54,16 +54,13 @@ class NuisanceColumns:
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)
     # frequencies at which links ring on springs [Hz], 0 for none, joint by joint, as the first block of samples shows
     ringing: list[float] = field(default_factory=list)
+    states: tuple[()] = ()  # the columns have no internal state
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
         """Columns that can act on each joint, (n, K)."""
         joints = np.arange(len(self.model.leg.joint_names))
         return np.array([(joints == c.place) | (c.kind in OF_ALL_JOINTS) for c in self.columns], dtype=np.bool_).T
-
-    def motion(self, motion: Motion) -> Motion:
-        """Return the motion: the columns depend on nothing else."""
-        return motion
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
         """Write the columns."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import reduce
 from types import MappingProxyType
 from typing import NamedTuple
@@ -19,7 +20,6 @@ from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, R
 from exoid.signals.recording_data import change_samples
 from exoid.torques import Motion, TorqueModel
 from exoid.torques.payloads import payload_parameters
-from exoid.torques.with_columns import WithColumns
 
 from .arms import ArmShapes
 from .columns import NuisanceColumns
@@ -150,8 +150,7 @@ def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:
         ready.append((one, prepared))
     if not ready:
         raise errors[0]
-    used = ((one.motion, one.inside) for _, one in ready)
-    ranges = reduce(MotionRanges.joined, (MotionRanges.of(x.q[k], x.v[k], x.a[k]) for x, k in used))
+    ranges = reduce(MotionRanges.joined, (MotionRanges.of(one.motion, one.inside) for _, one in ready))
     alternatives = AlternativeFriction(fitted.values[: len(fitted.model.leg.parameter_names)], ranges.speed)
     rows = [_rows(fitted, one, prepared, [alternatives] if friction else []) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
@@ -167,10 +166,11 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     places = {column.kind: len(model.names) + k for k, column in enumerate(columns)}
     carried = payload_parameters(model.leg, one.payloads)  # a fault of the log changes the torque of payloads too
     nuisances = NuisanceColumns(model, columns, values, carried, rate, speed, isinstance(one, Recording), fitted.arms)
-    every = WithColumns(model, (nuisances, *others))
+    every = replace(model, extras=(nuisances, *others))
     assert isinstance(prepared.motion, Motion)
     assert one.tau is not None
-    prepared = prepared._replace(motion=every.with_states(prepared.motion._replace(measured=np.nan_to_num(one.tau))))
+    motion = prepared.motion._replace(measured=np.nan_to_num(one.tau)).with_states(every.states)
+    prepared = prepared._replace(motion=motion)
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., places["drift"]] *= (rows.time - fitted.clock_start(one))[:, None]
     if "known delay" in places and not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -11,9 +12,9 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.regression.rows import Prepared, prepare
+from exoid.regression.rows import Prepared, form_rows, prepare
 from exoid.signals import Recording, ZeroPhase
-from exoid.torques import JointMotion, Motion, Presliding, TorqueModel
+from exoid.torques import JointMotion, Motion, Presliding, Term, TorqueModel
 from exoid.torques.catalog import USUAL
 from exoid.torques.terms import SLOW
 
@@ -51,6 +52,38 @@ class Design(NamedTuple):
         )
 
 
+class _Library(NamedTuple):
+    """Columns of every friction coefficient that is tried: column k of a joint is the k-th of its own."""
+
+    terms: Sequence[Sequence[tuple[Term, str]]]  # of each joint: term and symbol of each column
+    rigid: FloatArray | None  # parameters of the rigid bodies, whose torque loads the joints, (p,); None for no load
+
+    @property
+    def acting(self) -> NDArray[np.bool_]:
+        """Columns that can act on each joint, (n, K)."""
+        counts = np.array([len(of_joint) for of_joint in self.terms])
+        return np.asarray(np.arange(counts.max()) < counts[:, None])
+
+    @property
+    def states(self) -> set[tuple[int, Presliding]]:
+        """Internal states of the terms."""
+        each = ((j, term.internal_state) for j, of_joint in enumerate(self.terms) for term, _ in of_joint)
+        return {(j, state) for j, state in each if state is not None}
+
+    def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
+        """Write the columns."""
+        load = np.zeros(columns.shape[1:])
+        if self.rigid is not None:
+            load = np.tensordot(self.rigid, columns[: len(self.rigid)], axes=1)
+            load += 0.0 if motion.payload is None else motion.payload.T
+        for j, of_joint in enumerate(self.terms):
+            for (term, symbol), place in zip(of_joint, out[:, j], strict=False):  # other joints may have more
+                kind, every = term.internal_state, np.zeros((len(term.symbols), len(motion.q)))
+                state = None if kind is None else motion.states[j, kind]
+                term.fill(JointMotion(motion.q[:, j], motion.v[:, j], motion.a[:, j], load[j], state), every)
+                place[:] = every[term.symbols.index(symbol)]
+
+
 def form_design(
     model: TorqueModel,
     recordings: Sequence[Recording],
@@ -61,18 +94,22 @@ def form_design(
     """Form the rows of a fit in one pass over the samples."""
     # No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp
     # friction.
-    prepared = [prepare(model, each, ZeroPhase(cutoff)) for each in recordings]
+    terms = [[(column.term, column.symbol) for column in of_joint] for of_joint in library]
+    wide, count = replace(model, extras=(_Library(terms, rigid),)), len(model.names)
+    prepared = [prepare(wide, each, ZeroPhase(cutoff), stops=False) for each in recordings]
     step = max(1, -(-sum(len(each.rows) for each in prepared) // 8000))  # beyond so many rows, fewer are kept
     parts: list[Design] = []
     for index, full in enumerate(prepared):
         each = full._replace(rows=full.rows[(len(full.rows) - 1) % step // 2 :: step])
-        motion, moves = each.motion, ~_rests(each)
-        needed = {(j, column.term.internal_state) for j, of_joint in enumerate(library) for column in of_joint}
-        states = {(j, state): state.states(motion.q[:, j], motion.v[:, j]) for j, state in needed if state is not None}
+        of_recording = ~_rests(each)
         for stretch in each.stretches():
-            part = _form(model, each, stretch, library, states, rigid, moves)
-            mask = each.inside[stretch.start : stretch.stop : stretch.step]
-            parts.append(part._replace(recording=np.full(len(mask), index, dtype=np.intp)).some(mask))
+            rows, where = form_rows(wide, each, stretch), slice(stretch.start, stretch.stop, stretch.step)
+            moves, at = of_recording[where].T, np.full(len(stretch), index, dtype=np.intp)
+            W = rows.W.transpose(1, 0, 2) * moves[..., None]
+            friction = tuple(W[j, :, count : count + len(of_joint)] for j, of_joint in enumerate(library))
+            tau, base, gain = rows.tau.T * moves, W[..., :count], each.gain(stretch)
+            part = Design(at, rows.time, moves, tau, base, friction, (), 1.0, gain)
+            parts.append(part.some(each.inside[where]))
     return Design(
         np.concatenate([part.recording for part in parts]),
         np.concatenate([part.time for part in parts]),
@@ -93,48 +130,3 @@ def _rests(prepared: Prepared) -> NDArray[np.bool_]:
     v, count = prepared.motion.v, max(2, round(0.3 / float(np.median(np.diff(prepared.time)))))
     slow = np.abs(v) <= np.minimum(USUAL.reversal_speed, SLOW * np.sqrt(np.mean(v**2, axis=0)))
     return np.asarray(scipy.ndimage.binary_opening(slow, np.ones((count, 1), dtype=np.bool_)))
-
-
-def _form(
-    model: TorqueModel,
-    prepared: Prepared,
-    stretch: range,
-    library: Sequence[Columns],
-    states: dict[tuple[int, Presliding], FloatArray],
-    rigid: FloatArray | None,
-    moves: NDArray[np.bool_],
-) -> Design:
-    """Form a stretch of rows, joint by joint."""
-    around = slice(max(0, stretch[0] - prepared.reach), stretch[-1] + 1 + prepared.reach)
-    inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
-    motion: Motion = prepared.motion.rows(around)
-    columns = model.columns(motion)
-    load = np.zeros(columns.shape[1:]) if rigid is None else np.tensordot(rigid, columns[: len(rigid)], axes=1)
-    if rigid is not None and motion.payload is not None:
-        load += motion.payload.T
-    counted = prepared.inside[around]
-    gain = np.ones(len(inside))
-    if prepared.parallel is not None:
-        ones = prepared.parallel.among_zeros(counted[None].astype(np.float64), inside)[0]
-        gain = np.where(counted[inside.start : inside.stop : inside.step], ones, 1.0)
-    base, friction = np.zeros((columns.shape[1], len(inside), len(columns))), []
-    tau, rows = np.zeros((columns.shape[1], len(inside))), slice(stretch.start, stretch.stop, stretch.step)
-    for joint, of_joint in enumerate(library):
-        acting = np.flatnonzero(model.acting[joint])
-        extra = []
-        for term, symbol in ((column.term, column.symbol) for column in of_joint):
-            state = None if term.internal_state is None else states[joint, term.internal_state][around]
-            both = np.zeros((len(term.symbols), len(motion.q)))
-            term.fill(JointMotion(motion.q[:, joint], motion.v[:, joint], motion.a[:, joint], load[joint], state), both)
-            extra.append(both[term.symbols.index(symbol)])
-        signals = np.vstack([columns[acting, joint], *extra, prepared.tau[around, joint]])
-        if prepared.parallel is None:
-            filtered = signals[:, inside.start : inside.stop : inside.step]
-        else:
-            filtered = prepared.parallel.among_zeros(signals, inside, counted)
-        filtered = filtered * moves[rows, joint]
-        base[joint][:, acting] = filtered[: len(acting)].T
-        friction.append(filtered[len(acting) : -1].T)
-        tau[joint] = filtered[-1]
-    of_all = np.zeros(len(inside), dtype=np.intp)
-    return Design(of_all, prepared.time[rows], moves[rows].T, tau, base, tuple(friction), (), 1.0, gain)

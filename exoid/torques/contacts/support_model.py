@@ -38,7 +38,7 @@ class SupportModel(TorqueModel):
         """Let links of a model rest on the ground, at poses for which the reference of closed chains is chosen."""
         rest = (model.leg, model.terms, model.rigid, model.regrouped, model.separate)
         axes = reference_axes(model.leg, links, q) if links else None
-        return cls(*rest, tuple(links), axes, plates)
+        return cls(*rest, links=tuple(links), axes=axes, plates=plates)
 
     @property
     def row_names(self) -> tuple[str, ...]:

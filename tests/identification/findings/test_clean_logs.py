@@ -9,7 +9,7 @@ from logs import clean, kinds, late
 
 import exoid
 from exoid.signals.datasets import bleex_swing
-from exoid.torques.presliding import hysteresis
+from exoid.torques import Presliding
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
@@ -63,7 +63,7 @@ def test_friction_that_turns_before_the_velocity_or_after_it_is_no_delay(early, 
     v = np.gradient(log.q, log.time, axis=0)
     friction = np.column_stack([np.tanh(np.interp(log.time + early, log.time, x) / 0.015) for x in v.T])
     if length:
-        friction = np.column_stack([hysteresis(*x, np.array([length]))[0] for x in zip(log.q.T, v.T, strict=True)])
+        friction = np.column_stack([Presliding(length).states(*x) for x in zip(log.q.T, v.T, strict=True)])
     log = dataclasses.replace(log, tau=log.tau + 0.4 * log.tau.std(axis=0) * friction)
     found = exoid.check(leg, late(log, delay, range(log.q.shape[1])))
     assert kinds(found) - {"torque-delay"} <= {"unmodelled-friction"}
