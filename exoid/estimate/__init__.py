@@ -1,5 +1,6 @@
 """The result of an identification: values with intervals, files, text, comparison, validation, export."""
 
+from .compared import TorqueFilter
 from .comparison import Comparison, compare
 from .data import EstimateData
 from .estimate import Estimate
@@ -8,11 +9,9 @@ from .export import Export
 from .ground_prediction import GroundForce, ground_forces
 from .grouped import GroupedEstimate
 from .mjcf import MjcfExport
-from .model_error import ModelError
+from .model_error import ModelError, TorqueBand
 from .nonlinear import NonlinearParameters
 from .parameter import Parameter
-from .torque_band import TorqueBand
-from .torque_filter import TorqueFilter
 from .validation import Validation, validate
 
 __all__ = [

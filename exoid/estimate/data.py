@@ -24,10 +24,9 @@ from exoid.torques.motion import BLOCK
 
 from .evidence import Evidence, Support, freeze
 from .finding import Finding
-from .model_error import AlternativeFriction, ModelError
+from .model_error import AlternativeFriction, ModelError, TorqueBand, parameter_variance
 from .nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from .parameter import Parameter, ParameterTable
-from .torque_band import TorqueBand, parameter_variance
 
 
 @dataclass(frozen=True)
@@ -243,10 +242,14 @@ class EstimateData(ParameterTable):
         return replace(self.model, extras=(AlternativeFriction(rigid, self.model_error.speed),))
 
     @property
+    def residual_variance(self) -> FloatArray:
+        """Variance of each joint's torque about the model [N²·m²], (n,): residuals are smaller, as they were fitted."""
+        return (self.dof + len(self.values)) / self.dof * self.residual_rms**2
+
+    @property
     def noise_variance(self) -> FloatArray:
         """Variance of the noise of each joint's torque behind the filter of the training [N²·m²], (n,)."""
-        lost = (self.dof + len(self.values)) / self.dof  # residuals are smaller than noise, as they were fitted
-        residual = lost * self.residual_rms**2
+        residual = self.residual_variance
         if self.model_error is None:
             return residual
         # At least a quarter of the residual variance is noise, whatever friction of other forms explains

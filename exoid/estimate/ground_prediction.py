@@ -28,7 +28,7 @@ from exoid.torques.contacts.stretches import Stretch, contact_of
 
 from .data import EstimateData
 from .ground_validation import Ground, find_ground, in_time_order
-from .torque_band import parameter_variance
+from .model_error import parameter_variance
 
 
 class GroundForce(NamedTuple):
@@ -101,7 +101,7 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     inside[estimate.preparation.kinematics(recording).valid] = True
     settled, parallel = inside, estimate.preparation.parallel(recording.sample_rate)
     if parallel is not None:  # at the ends of a log its low-pass has but one side
-        settled = parallel.among_zeros(inside[np.newaxis].astype(np.float64), range(len(inside)))[0] > 0.95
+        settled = parallel.gain(inside, range(len(inside))) > 0.95
     recording = replace(recording, mask=inside if recording.mask is None else inside & recording.mask)
     found, ground = dict[str, list[GroundForce]](), find_ground(estimate, split(leg, recording, estimate.preparation))
     for stretch in ground.stretches:
@@ -204,10 +204,9 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
     parallel = estimate.preparation.parallel(recording.sample_rate)
     if parallel is None:
         return signals
-    every = range(len(recording))
-    flat = np.where(recording.mask, signals.reshape(-1, signals.shape[-1]), 0.0)
-    gain = parallel.among_zeros(recording.mask[np.newaxis].astype(np.float64), every)[0]
-    return (parallel.among_zeros(flat, every) / np.where(recording.mask, gain, 1.0)).reshape(signals.shape)
+    every, flat = range(len(recording)), signals.reshape(-1, signals.shape[-1])
+    filtered = parallel.among_zeros(flat, every, recording.mask) / parallel.gain(recording.mask, every)
+    return filtered.reshape(signals.shape)
 
 
 def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: MovingBase | None) -> FloatArray:

@@ -25,9 +25,8 @@ from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .compared import Compared, wrench_variance
 from .data import EstimateData
-from .torque_band import parameter_variance
+from .model_error import parameter_variance
 
-LEVEL = 0.95  # probability that a band contains a measured torque
 FORCE = 0.2  # standard deviation of the bias of a sensor that no foot told [m/s²]
 PIECE, BLOCK = 0.25, 1.5
 """Time in which a foot that rocks leans alike [s], and time beyond which the noise of rows is not correlated [s]: a
@@ -155,8 +154,6 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
 
 def _noise(estimate: EstimateData, row_names: tuple[str, ...]) -> FloatArray:
     """Variance of the noise of each row: that of its joint, or of closed chains the mean of all joints, (R,)."""
-    squares = estimate.residual_rms**2
-    lost = (estimate.dof + len(estimate.values)) / estimate.dof
-    of_joints = dict(zip(estimate.joint_names, squares.tolist(), strict=True))
-    whole = float(squares.mean())
-    return lost * np.array([whole if name.startswith(LOOP) else of_joints.get(name, 0.0) for name in row_names])
+    of_joints = dict(zip(estimate.joint_names, estimate.residual_variance.tolist(), strict=True))
+    whole = float(estimate.residual_variance.mean())
+    return np.array([whole if name.startswith(LOOP) else of_joints.get(name, 0.0) for name in row_names])

@@ -1,10 +1,11 @@
-"""Model error of an estimate: what friction of another form may add to a torque, above all beyond the training."""
+"""How far a predicted torque may be off: errors of the parameters, and friction of another form beyond the training."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,26 @@ KINDS: dict[str, tuple[int, ...]] = {"presliding": (0, 1, 2), "stribeck": (3, 4)
 """Columns of each form of friction."""
 
 COUNT = sum(map(len, KINDS.values()))  # number K of columns of each joint
+
+
+class TorqueBand(NamedTuple):
+    """Predicted torque and the band around it [N·m], (N, n) each.
+
+    Attributes:
+        torque: Prediction.
+        lower: Lower edge.
+        upper: Upper edge.
+    """
+
+    torque: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+
+
+def parameter_variance(covariance: FloatArray, rows: FloatArray) -> FloatArray:
+    """Variance w C wᵀ that the parameters' errors give a torque."""
+    W = rows[..., : len(covariance)]
+    return np.asarray(np.clip(((W @ covariance) * W).sum(axis=-1), 0.0, None))
 
 
 @dataclass(frozen=True, eq=False)

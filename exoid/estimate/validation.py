@@ -18,12 +18,11 @@ from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
 
-from .compared import Compared, compare_rows, wrench_variance
+from .compared import Compared, TorqueFilter, compare_rows, to_predict, wrench_variance
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
-from .ground_validation import LEVEL, compare_on_ground
-from .torque_filter import TorqueFilter, to_predict
+from .ground_validation import compare_on_ground
 from .validation_checks import (
     as_trained,
     extrapolations,
@@ -220,13 +219,10 @@ def validate(
     if len(parts) == 1:
         return parts[0]
     names = "time", "measured", "predicted", "half_width", "wrench_torque"
-    time, measured, predicted, half, wrench = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in names
-    )
+    whole: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     source = ", ".join(part.source for part in parts)
     findings = ordered([finding for part in parts for finding in part.findings])
-    how: dict[str, Any] = {"half_width": half, "filter": chosen, "wrench_torque": wrench}
-    return Validation(estimate.joint_names, time, measured, predicted, source, parts, findings, **how)
+    return replace(parts[0], **whole, source=source, parts=parts, findings=findings)
 
 
 def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
@@ -245,7 +241,7 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
     time, measured, predicted, variance, known = compared
     measured[:, ~data.measured] = np.nan
     how: dict[str, Any] = {
-        "half_width": half_width(LEVEL, estimate.dof) * np.sqrt(variance),
+        "half_width": half_width(0.95, estimate.dof) * np.sqrt(variance),
         "filter": chosen,
         "wrench_torque": known if recording.wrenches else np.zeros_like(known),
     }

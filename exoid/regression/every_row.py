@@ -25,7 +25,7 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
         rows = form_rows(model, prepared, stretch)
         counted = prepared.inside[stretch.start : stretch.stop]
         if prepared.parallel is not None:
-            gain = prepared.gain(stretch)
+            gain = prepared.parallel.gain(prepared.inside, stretch)
             known = None if rows.known is None else rows.known / gain[:, None]
             rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], known=known)
         if not counted.all():

@@ -71,14 +71,6 @@ class Prepared(NamedTuple):
         count = self.block * max(1, min(BLOCKS // self.tau.shape[1], self.rows.step))
         return (self.rows[start : start + count] for start in range(0, len(self.rows), count))
 
-    def gain(self, stretch: range) -> FloatArray:
-        """What the filter makes of ones in all segments: rows fade towards their ends, (M,); 1 where none counts."""
-        if self.parallel is None:
-            return np.ones(len(stretch))
-        ones = np.broadcast_to(1.0, (1, len(self.inside)))
-        counted = self.inside[stretch.start : stretch.stop : stretch.step]
-        return np.where(counted, self.parallel.among_zeros(ones, stretch, self.inside)[0], 1.0)
-
 
 def prepare(
     model: RegressorModel, data: Recording | Poses, preparation: Preparation, *, every: bool = False, stops: bool = True

@@ -42,8 +42,6 @@ def noisier_base(base: BaseMotion, rng: np.random.Generator, sign: float = 1.0) 
 CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
 
-OF_BASE = 3  # columns beside those of the joints
-
 
 class AccelerationPower(NamedTuple):
     """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
@@ -88,9 +86,9 @@ def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False)
         return None
     even, rate = recording.resampled(), recording.resampled().sample_rate
     if recording.a is not None:
-        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + OF_BASE))
+        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + 3))
         return AccelerationPower(nothing, nothing, len(even), rate)
-    power, of_base = _power(even.q.T, rate), np.zeros((2, len(CUTOFFS), OF_BASE))
+    power, of_base = _power(even.q.T, rate), np.zeros((2, len(CUTOFFS), 3))  # place and turn by its pose, turn by gyro
     if even.base is not None and even.base.pose is not None:
         of_pose = _power(even.base.pose.columns.T, rate)
         of_base[..., 0], of_base[..., 1] = of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)

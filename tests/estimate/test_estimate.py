@@ -10,8 +10,8 @@ from swings import TERMS, Swing
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, ExoidError, Leg, Offset, Stiffness, Validation, Viscous
+from exoid.estimate.compared import TorqueFilter
 from exoid.estimate.data import Input
-from exoid.estimate.torque_filter import TorqueFilter
 from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import BoolArray, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.estimate import EstimateData
 from exoid.estimate.compared import compare_rows
@@ -50,7 +50,11 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     precision = np.where(recording.measured & (noise > 0.0), 1.0 / np.sqrt(np.where(noise > 0.0, noise, 1.0)), 0.0)
     (unknown, dry), bodies, parts = _unknown_friction(estimate, prepared), np.zeros((leg + 1, leg + 1)), []
     for stretch, (rows, of_rows) in zip(prepared.stretches(), each, strict=True):
-        keep, share = _at_ends(prepared, stretch, unknown)
+        keep, share = np.ones(len(rows.time), dtype=np.bool_), np.zeros_like(rows.tau)
+        if prepared.parallel is not None:  # rows that have settled, and the share of each torque with unknown friction
+            counted = prepared.inside[stretch.start : stretch.stop]
+            keep = prepared.parallel.gain(prepared.inside, stretch)[counted] > 1.0 - SETTLED
+            share = prepared.parallel.among_zeros(unknown, stretch, prepared.inside).T[counted]
         W, torque = rows.W[keep], (of_rows.predicted - of_rows.measured)[keep]
         table = np.concatenate([W[..., :leg], torque[..., None]], axis=2) * precision[:, None]
         bodies += np.tensordot(table, table, axes=([0, 1], [0, 1]))
@@ -71,14 +75,6 @@ def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparat
     variance = variance + (np.maximum(level, dry) * share) ** 2 / 3.0  # uniform between −c and c
     ranges = MotionRanges.of(prepared.motion, prepared.inside)
     return Evaluation(time, torque, predicted, variance, noise, friction, ranges, bodies)
-
-
-def _at_ends(prepared: Prepared, stretch: range, unknown: FloatArray) -> tuple[BoolArray, FloatArray]:
-    """Which counted rows have settled, (N,), and the share of each torque with unknown friction, (N, n)."""
-    counted, share = prepared.inside[stretch.start : stretch.stop], np.zeros((len(stretch), len(unknown)))
-    if prepared.parallel is not None:
-        share = prepared.parallel.among_zeros(unknown, stretch, prepared.inside).T
-    return (prepared.gain(stretch) > 1.0 - SETTLED)[counted], share[counted]
 
 
 def _unknown_friction(estimate: EstimateData, prepared: Prepared) -> tuple[FloatArray, FloatArray]:

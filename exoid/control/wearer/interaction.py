@@ -13,8 +13,8 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.actuators import Actuators, Coupling, Drive
 from exoid.errors import NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
+from exoid.estimate.compared import to_predict
 from exoid.estimate.finding import Finding, ordered
-from exoid.estimate.torque_filter import to_predict
 from exoid.estimate.validation_checks import (
     as_trained,
     effective_share,

@@ -107,7 +107,8 @@ def form_design(
             moves, at = of_recording[where].T, np.full(len(stretch), index, dtype=np.intp)
             W = rows.W.transpose(1, 0, 2) * moves[..., None]
             friction = tuple(W[j, :, count : count + len(of_joint)] for j, of_joint in enumerate(library))
-            tau, base, gain = rows.tau.T * moves, W[..., :count], each.gain(stretch)
+            assert each.parallel is not None  # that of the cut-off
+            tau, base, gain = rows.tau.T * moves, W[..., :count], each.parallel.gain(each.inside, stretch)
             part = Design(at, rows.time, moves, tau, base, friction, (), 1.0, gain)
             parts.append(part.some(each.inside[where]))
     return Design(

@@ -79,6 +79,11 @@ class ParallelFilter:
         filtered = (products[..., :inside] + states.view(np.float64) @ blocks.states)[lead : lead + wanted]
         return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
 
+    def gain(self, counted: NDArray[np.bool_], rows: range) -> FloatArray:
+        """What becomes of ones at samples that count, less near the ends of segments, (R,); 1 at other samples."""
+        ones = self.among_zeros(np.broadcast_to(1.0, (1, len(counted))), rows, counted)[0]
+        return np.where(counted[rows.start : rows.stop : rows.step], ones, 1.0)
+
 
 class _Blocks(NamedTuple):
     """The filter for blocks of B samples, at every step-th of them."""

@@ -20,9 +20,6 @@ from exoid._typing import FloatArray
 from .low_pass import noise_bandwidth
 from .parallel import ParallelFilter
 
-LONGEST_PIECE = 2
-"""Such a piece is never longer than so many times that."""
-
 
 def around_stops(slow: NDArray[np.bool_], parallel: ParallelFilter) -> NDArray[np.bool_]:
     """Widen the reversals of joints, and leave out rests."""
@@ -77,7 +74,7 @@ def without_reversals(
     taken = [[np.zeros((len(of_joint), 0))] for of_joint in signals]
     energy = np.zeros(len(left))
     # about 256 rows, as far apart as the filter allows, are projected together
-    size = max(1, 256 * parallel.stride // rows.step)
+    size = max(1, 256 * parallel.stride // rows.step)  # of a piece, which may have half as many again
     blocks = range(0, len(rows), block or max(1, len(rows)))
     clusters = [
         _Cluster(joint, slice(first + piece.start, first + piece.stop), together)
@@ -85,8 +82,8 @@ def without_reversals(
         for first in blocks
         for piece, together in _clusters(rows[first : first + blocks.step], of_joint, size, parallel)
     ]
-    correlation = _noise_correlations(parallel, rows.step, LONGEST_PIECE * size)
-    for alike, bases in _bases(clusters, rows, size, parallel):
+    correlation = _noise_correlations(parallel, rows.step, 2 * size)
+    for alike, bases in _bases(clusters, rows, 2 * size, parallel):
         length = bases.shape[1]
         energies = np.einsum("clm,clm->c", bases, correlation[:length, :length] @ bases)
         for (joint, piece, _), basis, of_noise in zip(alike, bases, energies.tolist(), strict=True):
@@ -137,10 +134,10 @@ def _clusters(
 
 
 def _bases(
-    clusters: Iterable[_Cluster], rows: range, size: int, parallel: ParallelFilter
+    clusters: Iterable[_Cluster], rows: range, longest: int, parallel: ParallelFilter
 ) -> Iterator[tuple[list[_Cluster], FloatArray]]:
     """Find orthonormal bases of the filtered pulses of clusters, for all of as many pulses at once."""
-    responses = _responses(parallel, rows.step, LONGEST_PIECE * size)
+    responses = _responses(parallel, rows.step, longest)
     by_count: defaultdict[int, list[_Cluster]] = defaultdict(list)
     for cluster in clusters:
         by_count[len(cluster.pulses)].append(cluster)
