@@ -108,8 +108,10 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     moved = fit_linear(replace(problem, groups=tuple(groups)), estimator).fit.solution.values - values
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))
     most = int(np.argmax(np.abs(moved) / np.where(std > 0.0, std, np.inf)))
-    text = "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves"
-    text = f"{text} parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals"
+    text = (
+        "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves "
+        f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals"
+    )
     remedy, names = "weigh the machine (known=), or let a foot push on the ground", (problem.names[most],)
     finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", text, remedy, parameters=names)
     doubt = np.outer(moved, moved) + (0.0 if fitted.doubt is None else fitted.doubt)
@@ -131,17 +133,17 @@ def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str,
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:]))
     # Known no better than this [m/s²], it leaves 0.5 % of gravity, and of every mass moment, open
     if errors.std[3:].max() > 0.05:
-        about = f"is known to ± {2.0 * std:.2g} m/s² only, which is part of all intervals"
-        text = f"{when}, the bias of the base's sensor {about}"
+        error = f"± {2.0 * std:.2g} m/s² only, which is part of all intervals"
+        text = f"{when}, the bias of the base's sensor is known to {error}"
         remedy = "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))"
         return Finding("imu-unchecked", "", 2.0 * std, "m/s²", "warning", text, remedy, None, parameters, name)
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
     large, interval = size > 0.5, (size - 2.0 * std, size + 2.0 * std)
-    text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s, which was taken out"
+    more = "; no sensor is off by so much" if large else ""
+    text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s, which was taken out{more}"
     if not large:
         return Finding("imu-bias", "", size, "m/s²", "info", text, "calibrate the sensor", interval, (), name)
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
-    text = f"{text}; no sensor is off by so much"
     return Finding("imu-bias", "", size, "m/s²", "warning", text, remedy, interval, parameters, name)
 
 
@@ -215,8 +217,10 @@ def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -
     what, remedy = "the motion of the base was not measured, and", "record an IMU on the torso"
     if not footing.links:
         what, remedy = "the bias of the base's sensor", "calibrate the sensor"
-    text = f"{what} follows from feet that rest. The ground under them leans by {angle:.2g} ± {half:.2g}°, which was"
-    text = f"{text} taken into account; one degree would move {moved}"
+    text = (
+        f"{what} follows from feet that rest. The ground under them leans by {angle:.2g} ± {half:.2g}°, which was "
+        f"taken into account; one degree would move {moved}"
+    )
     remedy = f"level the ground, or check the zeros of the angles; {remedy}"
     # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
     severity: Severity = "warning" if angle - half > np.rad2deg(2.0 * LEVEL) else "info"
@@ -253,6 +257,6 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
         kind, cause, support = "large-residual", "friction has another form, or another force acts", "measured forces"
     elif kept:
         severity = "error"
-    text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; "
-    text += "they are too many to leave out" if kept else "they were left out"
+    fate = "they are too many to leave out" if kept else "they were left out"
+    text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; {fate}"
     return Finding(kind, "", share, "1", severity, text, remedy, recording=where)

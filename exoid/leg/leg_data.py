@@ -333,8 +333,8 @@ def without_side(names: Sequence[str]) -> tuple[str, ...]:
 def refuse_floating_base(leg: LegData, what: str) -> None:
     """Refuse a leg whose base floats."""
     if leg.base == "floating":
-        what = f"{what} needs a base that is held, and that of this leg floats"
-        raise NotSupportedError(what, where=leg.description.name, remedy='make the leg with base="fixed"')
+        message = f"{what} needs a base that is held, and that of this leg floats"
+        raise NotSupportedError(message, where=leg.description.name, remedy='make the leg with base="fixed"')
 
 
 def joint_roles(leg: LegData, roles: Mapping[str, str]) -> tuple[str, ...]:

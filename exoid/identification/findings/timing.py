@@ -57,8 +57,8 @@ def angle_jumps(recording: Recording) -> Iterator[Finding]:
         if count := int(jumps[place].sum()):
             worst = int(np.argmax(size[place] * jumps[place]))
             jump = float(beyond[place, worst])
-            message = f"the angle jumps {count} times, most by {1e3 * jump:.3g} mrad at"
-            message = f"{message} {recording.time[worst + 1]:.3f} s, and stays there"
+            most = f"by {1e3 * jump:.3g} mrad at {recording.time[worst + 1]:.3f} s"
+            message = f"the angle jumps {count} times, most {most}, and stays there"
             remedy = "mend the encoder, and split the log there (Recording.between)"
             yield Finding("angle-jump", joint, jump, "rad", "warning", message, remedy)
 
