@@ -48,10 +48,10 @@ def share_alike(estimate: Estimate, limbs: Sequence[str]) -> Estimate:
     first, *others = limbs
     pairs = {limb: _pair(model.leg, first, limb) for limb in others}
     tests = {limb: _restricted(estimate, [pair]) for limb, pair in pairs.items()}
-    p_values = holm(np.array([test.p_value for test in tests.values()]))
+    p_values = holm(np.array([p for _, _, p in tests.values()]))
     findings, equal = list(estimate.findings), []
     for limb, p in zip(others, p_values.tolist(), strict=True):
-        moved = np.abs(tests[limb].values - estimate.values) / np.where(estimate.std > 0.0, estimate.std, np.inf)
+        moved = np.abs(tests[limb][0] - estimate.values) / np.where(estimate.std > 0.0, estimate.std, np.inf)
         most, same = estimate.names[int(np.argmax(moved))], p >= LEVEL
         equal += [limb] if same else []
         says = "share their parameters" if same else f"differ, most in {most}, and keep their own"
@@ -61,21 +61,13 @@ def share_alike(estimate: Estimate, limbs: Sequence[str]) -> Estimate:
         kind, which = ("alike-limbs", ()) if same else ("unlike-limbs", (most,))
         findings.append(Finding(kind, "", p, "1", severity, message, remedy, parameters=which))
     if equal:
-        found = _restricted(estimate, [pairs[limb] for limb in equal])
-        estimate = replace(estimate, values=found.values, covariance=found.covariance)
+        values, covariance, _ = _restricted(estimate, [pairs[limb] for limb in equal])
+        estimate = replace(estimate, values=values, covariance=covariance)
     return replace(estimate, findings=ordered(findings))
 
 
-class _Restricted(NamedTuple):
-    """Estimate under R β = 0."""
-
-    values: FloatArray
-    covariance: FloatArray
-    p_value: float
-
-
-def _restricted(estimate: Estimate, pairs: Sequence[_Pair]) -> _Restricted:
-    """Restrict an estimate to limbs that are alike."""
+def _restricted(estimate: Estimate, pairs: Sequence[_Pair]) -> tuple[FloatArray, FloatArray, float]:
+    """Restrict an estimate to limbs that are alike: values and covariance under R β = 0, and p-value of that."""
     scale = np.where(estimate.std > 0.0, estimate.std, 1.0)
     R = _restrictions(estimate.model, pairs)
     C = estimate.covariance / np.outer(scale, scale)
@@ -85,7 +77,7 @@ def _restricted(estimate: Estimate, pairs: Sequence[_Pair]) -> _Restricted:
     gain = np.linalg.lstsq(spread, R @ C, rcond=1e-12)[0].T
     values = estimate.values - scale * (gain @ apart)
     covariance = (C - gain @ R @ C) * np.outer(scale, scale)
-    return _Restricted(values, 0.5 * (covariance + covariance.T), hotelling(apart, spread, estimate.dof)[1])
+    return values, 0.5 * (covariance + covariance.T), hotelling(apart, spread, estimate.dof)[1]
 
 
 def _restrictions(model: TorqueModel, pairs: Sequence[_Pair]) -> FloatArray:

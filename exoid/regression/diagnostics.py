@@ -43,20 +43,15 @@ OTHER, MOST = 0.2, 0.5
 explains, and of the rows that have it."""
 
 
-class Direction(NamedTuple):
-    """Parameters whose columns nearly cancel each other, those most involved first."""
-
-    condition: float  # its condition index, the largest singular value of the unit-column regressor over its own
-    columns: tuple[int, ...]  # their indices
-
-
 class Collinearity(NamedTuple):
     """What a least-squares problem says on parameters that it can hardly tell apart."""
 
     # condition index of each parameter: at least half of its variance comes from directions of this index or
     # worse, (P,); 1 for known parameters
     indices: FloatArray = np.ones(0)
-    directions: tuple[Direction, ...] = ()  # those beyond `ILL_CONDITIONED`, the worst first
+    # directions beyond `ILL_CONDITIONED`, the worst first: condition index, the largest singular value of the
+    # unit-column regressor over its own, and indices of parameters whose columns nearly cancel, the most involved first
+    directions: tuple[tuple[float, tuple[int, ...]], ...] = ()
 
     @classmethod
     def of(cls, solution: Solution) -> Collinearity:
@@ -77,14 +72,14 @@ class Collinearity(NamedTuple):
             order = np.argsort(-direction)
             # A column with at least this part in a direction is named with it
             named = [int(places[k]) for k in order if direction[k] >= 0.2]
-            directions.append(Direction(float(index), tuple(named)))
+            directions.append((float(index), tuple(named)))
         return cls(indices, tuple(directions))
 
     def warnings(self, names: Sequence[str]) -> tuple[str, ...]:
         """Name the parameters that move together, three groups of them at most, in one sentence."""
         groups = [
-            f"{', '.join(names[k] for k in direction.columns)} (condition index {direction.condition:.3g})"
-            for direction in self.directions
+            f"{', '.join(names[k] for k in columns)} (condition index {index:.3g})"
+            for index, columns in self.directions
         ]
         if not groups:
             return ()

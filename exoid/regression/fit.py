@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -96,12 +95,12 @@ def correlated_uncertainty(rows: RowSource, fit: Fit) -> Uncertainty:
     """Uncertainty of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
     # S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless blocks are too few, correlations by the noise
     found = sandwich(rows, fit)
-    left_out = jackknife(rows, fit, found.noises)
-    if not left_out.blocks:
+    by_blocks, dofs, blocks = jackknife(rows, fit, found.noises)
+    if not blocks:
         return found
     variances = np.diag(found.covariance)
-    scale = np.sqrt(np.divide(left_out.variances, variances, out=np.ones(len(variances)), where=variances > TINY))
-    return Uncertainty(found.covariance * np.multiply.outer(scale, scale), left_out.dofs, found.noises)
+    scale = np.sqrt(np.divide(by_blocks, variances, out=np.ones(len(variances)), where=variances > TINY))
+    return Uncertainty(found.covariance * np.multiply.outer(scale, scale), dofs, found.noises)
 
 
 def samples_left(
@@ -126,16 +125,12 @@ def samples_left(
     return of_groups, np.asarray(each)
 
 
-class Jackknife(NamedTuple):
-    """Variances of parameters by the block jackknife."""
+def jackknife(rows: RowSource, fit: Fit, noises: Noises) -> tuple[FloatArray, FloatArray, int]:
+    """Leave out one block of rows after the other, all joints at once: variances of the parameters, (P,).
 
-    variances: FloatArray  # variance of each parameter, (P,)
-    dofs: FloatArray  # degrees of freedom of each variance, (P,); infinite where no noise of the rows enters
-    blocks: int  # number of blocks; 0 if there are too few to say anything
-
-
-def jackknife(rows: RowSource, fit: Fit, noises: Noises) -> Jackknife:
-    """Leave out one block of rows after the other, all joints at once."""
+    Beside them stand their degrees of freedom, (P,), infinite where no noise of the rows enters, and the number of
+    blocks, 0 if there are too few to say anything.
+    """
     # With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
     # d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its
     # degrees of freedom are 3 (Σ_b d_bi²)² / Σ_b d_bi⁴, at most B − 1. Joints share blocks, so that noise may
@@ -156,7 +151,7 @@ def jackknife(rows: RowSource, fit: Fit, noises: Noises) -> Jackknife:
     variances = of_rows + np.einsum("ij,jk,ik->i", inverse, fit.solution.prior_noise, inverse)
     dofs = 3.0 * squares.sum(axis=0) ** 2 / np.maximum((squares**2).sum(axis=0), TINY)
     dofs = np.clip(dofs, 1.0, np.maximum(count - 1, 1)) * (variances / np.maximum(of_rows, TINY)) ** 2
-    return Jackknife(variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0)
+    return variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0
 
 
 def _changes(noises: Noises, root: FloatArray, clip: float, parts: Sequence[Series]) -> FloatArray:

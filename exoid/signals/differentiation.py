@@ -17,23 +17,17 @@ Order = Literal[1, 2]
 Accuracy = Literal[2, 4]
 
 
-class Stencil(NamedTuple):
-    """Weights of a finite difference."""
-
-    centre: FloatArray  # weights of a sample and its m neighbours on each side, (2 m + 1,)
-    ends: FloatArray  # one-sided weights of the first w samples for the derivative at the first m samples, (m, w)
-
-
-STENCILS: dict[tuple[Order, Accuracy], Stencil] = {
-    (1, 2): Stencil(np.array([-1, 0, 1]) / 2, np.array([[-3, 4, -1]]) / 2),
-    (1, 4): Stencil(np.array([1, -8, 0, 8, -1]) / 12, np.array([[-25, 48, -36, 16, -3], [-3, -10, 18, -6, 1]]) / 12),
-    (2, 2): Stencil(np.array([1.0, -2.0, 1.0]), np.array([[2.0, -5.0, 4.0, -1.0]])),
-    (2, 4): Stencil(
+STENCILS: dict[tuple[Order, Accuracy], tuple[FloatArray, FloatArray]] = {
+    (1, 2): (np.array([-1, 0, 1]) / 2, np.array([[-3, 4, -1]]) / 2),
+    (1, 4): (np.array([1, -8, 0, 8, -1]) / 12, np.array([[-25, 48, -36, 16, -3], [-3, -10, 18, -6, 1]]) / 12),
+    (2, 2): (np.array([1.0, -2.0, 1.0]), np.array([[2.0, -5.0, 4.0, -1.0]])),
+    (2, 4): (
         np.array([-1, 16, -30, 16, -1]) / 12,
         np.array([[45, -154, 214, -156, 61, -10], [10, -15, -4, 14, -6, 1]]) / 12,
     ),
 }
-"""Weights for the first and the second derivative, with an error of O(dt²) or O(dt⁴)."""
+"""Weights for the first and the second derivative, with an error of O(dt²) or O(dt⁴): of a sample and its m neighbours
+on each side, (2 m + 1,), and of the first w samples, one-sided, for the derivative at the first m of them, (m, w)."""
 
 
 class Kinematics(NamedTuple):
@@ -110,8 +104,8 @@ def difference(x: FloatArray, rate: float, order: Order, accuracy: Accuracy = 2)
     """Compute the first or second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
     # On a sine of ω the relative error of the first derivative is (ω dt)²/6, or (ω dt)⁴/30 over five points; that of
     # the second is (ω dt)²/12, or (ω dt)⁴/90. The weights at the far end are those of the near end reversed.
-    stencil, samples = STENCILS[order, accuracy], len(x)
-    margin, width = len(stencil.ends), stencil.ends.shape[1]
+    (centre, ends), samples = STENCILS[order, accuracy], len(x)
+    margin, width = ends.shape
     if samples < max(width, 2 * margin + 1):
         raise UnreadableInputError(
             f"{samples} samples are too few for a difference over {width}", remedy="record longer"
@@ -120,7 +114,7 @@ def difference(x: FloatArray, rate: float, order: Order, accuracy: Accuracy = 2)
     out = np.empty(signals.shape)
     parity = 1.0 if order == 2 else -1.0
     for signal, derived in zip(signals, out, strict=True):
-        derived[margin : samples - margin] = np.correlate(signal, stencil.centre, "valid")
-        derived[:margin] = stencil.ends @ signal[:width]
-        derived[samples - margin :] = parity * (stencil.ends @ signal[: -width - 1 : -1])[::-1]
+        derived[margin : samples - margin] = np.correlate(signal, centre, "valid")
+        derived[:margin] = ends @ signal[:width]
+        derived[samples - margin :] = parity * (ends @ signal[: -width - 1 : -1])[::-1]
     return np.asarray(rate**order * out.T.reshape(x.shape))

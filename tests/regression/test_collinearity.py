@@ -32,9 +32,9 @@ def test_two_columns_that_are_nearly_one_are_found_and_a_third_is_not_blamed():
     found = of_columns(W)
     np.testing.assert_allclose(found.indices[[0, 2]], 200.0, rtol=1e-3)
     assert found.indices[1] < 2.0
-    (direction,) = found.directions
-    assert sorted(direction.columns) == [0, 2]
-    assert direction.condition == pytest.approx(200.0, rel=1e-3)
+    ((index, columns),) = found.directions
+    assert sorted(columns) == [0, 2]
+    assert index == pytest.approx(200.0, rel=1e-3)
     (remark,) = found.warnings(("X1", "Y1", "J1"))
     assert "X1" in remark
     assert "J1" in remark

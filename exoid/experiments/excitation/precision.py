@@ -179,8 +179,8 @@ def _rows(
             unknown, rows = around_stops(slow, parallel) & inside[:, None], range(len(q))[valid]
             pulses = [reversal_pulses(of_row, parallel) for of_row in unknown.T]
             filtered = list(W[valid].transpose(1, 2, 0))
-            for row, left in enumerate(without_reversals(filtered, pulses, rows, parallel)):
-                W[valid, row] = left.signals.T
+            for row, (left, _, _) in enumerate(without_reversals(filtered, pulses, rows, parallel)):
+                W[valid, row] = left.T
         whole = [W[:, row] * use[:, row, None] / std[row] for row in range(W.shape[1])]
         # Fᵀ, backwards in time
         scores = [np.flip(preparation.filter(np.flip(weighted, axis=0), rate), axis=0) for weighted in whole]

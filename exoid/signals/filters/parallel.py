@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +54,8 @@ class ParallelFilter:
         Returns:
             Filtered signals at these samples, (K, R).
         """
-        blocks = _blocks(self, rows.step)
-        size = len(blocks.products)
+        of_block, of_states, decays = _blocks(self, rows.step)
+        size = len(of_block)
         begin, end = max(0, rows[0] - self.reach), min(len(signals[0]), rows[-1] + 1 + self.reach)
         lead = -(-(rows[0] - begin) // size)  # the first row begins a block
         wanted, behind = -(-len(rows) * rows.step // size), -(-(end - rows[0]) // size)
@@ -64,38 +63,25 @@ class ParallelFilter:
         place = lead * size - rows[0]
         window = padded.reshape(-1)[place + begin : place + end]
         left_out = None if counted is None or counted[begin:end].all() else ~counted[begin:end]
-        products = np.empty((len(padded), len(signals), blocks.products.shape[1]))
+        products = np.empty((len(padded), len(signals), of_block.shape[1]))
         for k, signal in enumerate(signals):  # one after the other, in the processor's cache
             window[:] = signal[begin:end]
             if left_out is not None:
                 window[left_out] = 0.0
-            np.matmul(padded, blocks.products, out=products[:, k])
-        inside, modes = blocks.states.shape[1], len(blocks.decay)
+            np.matmul(padded, of_block, out=products[:, k])
+        inside, modes = of_states.shape[1], len(decays)
         own = np.ascontiguousarray(products[..., inside:]).view(np.complex128)
         states = np.zeros_like(own)  # what the blocks before and after add
-        for mode, decay in enumerate(blocks.decay):
+        for mode, decay in enumerate(decays):
             states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
             states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
-        filtered = (products[..., :inside] + states.view(np.float64) @ blocks.states)[lead : lead + wanted]
+        filtered = (products[..., :inside] + states.view(np.float64) @ of_states)[lead : lead + wanted]
         return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
 
     def gain(self, counted: NDArray[np.bool_], rows: range) -> FloatArray:
         """What becomes of ones at samples that count, less near the ends of segments, (R,); 1 at other samples."""
         ones = self.among_zeros(np.broadcast_to(1.0, (1, len(counted))), rows, counted)[0]
         return np.where(counted[rows.start : rows.stop : rows.step], ones, 1.0)
-
-
-class _Blocks(NamedTuple):
-    """The filter for blocks of B samples, at every step-th of them."""
-
-    # The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
-    # block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*.
-
-    # what samples of a block add to its own rows, and to the states of the blocks after and before it, (B, M +
-    # 4 m) with M rows a block, m modes, and real and imaginary parts one after the other
-    products: FloatArray
-    states: FloatArray  # what states add to the rows of a block, (4 m, M)
-    decay: ComplexArray  # factor of a state from block to block, (m,)
 
 
 def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
@@ -108,8 +94,13 @@ def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
 
 
 @lru_cache(maxsize=16)
-def _blocks(filter_: ParallelFilter, step: int) -> _Blocks:
-    """Matrices of a filter for every ``step``-th row."""
+def _blocks(filter_: ParallelFilter, step: int) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    """Matrices of a filter for blocks of B samples, at every ``step``-th of them."""
+    # The impulse response is a sum of decaying modes, h_k = Re Σ c_i p_i^(|k| − 1) for k ≠ 0. What samples far from a
+    # block add to its rows is therefore said by one complex number a mode and side, Σ x_j p_i^j, the *states*. Returned
+    # are, with M rows a block, m modes, and real and imaginary parts one after the other: what samples of a block add
+    # to its own rows, and to the states of the blocks after and before it, (B, M + 4 m); what states add to the rows of
+    # a block, (4 m, M); and the factor of a state from block to block, (m,).
     poles, weights, middle = zero_phase_modes(filter_.rate, filter_.cutoff)
     rows = step * np.arange(max(1, round(128 / step)))
     size = len(rows) * step
@@ -121,4 +112,4 @@ def _blocks(filter_: ParallelFilter, step: int) -> _Blocks:
     parts = np.hstack([to_after, to_before]).view(np.float64)
     both = np.hstack([from_before, from_after])
     states = np.stack([both.real, -both.imag], axis=-1).reshape(len(rows), -1).T
-    return _Blocks(np.hstack([own, parts]), np.ascontiguousarray(states), poles**size)
+    return np.hstack([own, parts]), np.ascontiguousarray(states), poles**size

@@ -44,22 +44,18 @@ def reversal_pulses(unknown: NDArray[np.bool_], parallel: ParallelFilter) -> NDA
     return np.unique(np.rint(start[run] + number * ((end - 1 - start) / gaps)[run]).astype(np.intp))
 
 
-class Projected(NamedTuple):
-    """Signals of a joint without the pulses at its reversals."""
-
-    signals: FloatArray  # what is left of them, (K, R)
-    taken: FloatArray  # what was taken out, in an orthonormal basis, (K, M)
-    noise_left: float  # share of the energy of filtered white noise that is left
-
-
 def without_reversals(
     signals: Sequence[FloatArray],
     pulses: Sequence[NDArray[np.intp]],
     rows: range,
     parallel: ParallelFilter,
     block: int | None = None,
-) -> list[Projected]:
-    """Project the filtered columns and torque of each joint onto the complement of the pulses at its reversals."""
+) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Project the filtered columns and torque of each joint onto the complement of the pulses at its reversals.
+
+    Of each joint is returned what is left of them, (K, R), what was taken out, in an orthonormal basis, (K, M), and the
+    share of the energy of filtered white noise that is left.
+    """
     # A joint with sharp friction sticks where it turns round. Its friction is then what holds it, anywhere
     # between −c0 and c0, and no term says how much. Doc. 1, sec. III-G, leaves such samples out. Behind a
     # low-pass they cannot be left out: the filter has spread their torque over the rows around them. But it is
@@ -93,7 +89,7 @@ def without_reversals(
             part -= taken[joint][-1] @ Q.T
             energy[joint] += of_noise
     shares = 1.0 - energy / max(len(rows), 1)
-    return [Projected(x, np.hstack(y), share) for x, y, share in zip(left, taken, shares.tolist(), strict=True)]
+    return [(x, np.hstack(y), share) for x, y, share in zip(left, taken, shares.tolist(), strict=True)]
 
 
 class _Cluster(NamedTuple):
