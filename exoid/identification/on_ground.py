@@ -108,12 +108,10 @@ def _suspended(fitted: Fitted, estimator: Estimator) -> Fitted:
     moved = fit_linear(replace(problem, groups=tuple(groups)), estimator).fit.solution.values - values
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))
     most = int(np.argmax(np.abs(moved) / np.where(std > 0.0, std, np.inf)))
-    text = (
-        "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves "
-        f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals"
-    )
+    what = f"parameters, {problem.names[most]} by about {abs(moved[most]):.2g}; this is part of all intervals"
+    why = "no foot pushes on the ground: joint torques alone give the scale, and noise of the base's sensor moves"
     remedy, names = "weigh the machine (known=), or let a foot push on the ground", (problem.names[most],)
-    finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", text, remedy, parameters=names)
+    finding = Finding("suspended", "", float(np.mean(found)), "m/s²", "info", f"{why} {what}", remedy, parameters=names)
     doubt = np.outer(moved, moved) + (0.0 if fitted.doubt is None else fitted.doubt)
     return fitted._replace(findings=(*fitted.findings, finding), doubt=doubt)
 
@@ -217,10 +215,8 @@ def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -
     what, remedy = "the motion of the base was not measured, and", "record an IMU on the torso"
     if not footing.links:
         what, remedy = "the bias of the base's sensor", "calibrate the sensor"
-    text = (
-        f"{what} follows from feet that rest. The ground under them leans by {angle:.2g} ± {half:.2g}°, which was "
-        f"taken into account; one degree would move {moved}"
-    )
+    lean = f"{angle:.2g} ± {half:.2g}°, which was taken into account; one degree would move {moved}"
+    text = f"{what} follows from feet that rest. The ground under them leans by {lean}"
     remedy = f"level the ground, or check the zeros of the angles; {remedy}"
     # floors are level to half a degree: one that leans by more is a treadmill, a ramp, or a wrong zero of an angle
     severity: Severity = "warning" if angle - half > np.rad2deg(2.0 * LEVEL) else "info"

@@ -86,9 +86,7 @@ def missing_gravity(checked: CheckedFit) -> Iterator[Finding]:
     if less > left + np.log(1.2):  # gravity may point elsewhere
         return
     share = gravity / inertia
-    message = (
-        f"the torques contain {abs(share):.0%} of the gravity torque that goes with their inertial part: they are "
-        "efforts without gravity, or the leg lies on its side"
-    )
+    part = f"{abs(share):.0%} of the gravity torque that goes with their inertial part"
+    message = f"the torques contain {part}: they are efforts without gravity, or the leg lies on its side"
     remedy = "log currents or raw torques, add the controller's gravity torque, or turn the base in the URDF"
     yield Finding("gravity-compensated-effort", "", share, "1", "error", message, remedy, parameters=model.names)

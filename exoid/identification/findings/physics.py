@@ -157,10 +157,8 @@ def impossible_leg(
         return
     if apart < IMPOSSIBLE:
         return
-    message = (
-        f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {apart:.3g} standard "
-        "deviations away"
-    )
+    away = f"{apart:.3g} standard deviations away"
+    message = f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {away}"
     remedy = (
         "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs that the "
         "model lacks also do this"

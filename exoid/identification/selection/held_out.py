@@ -95,7 +95,7 @@ def _spread(torque: FloatArray, moves: NDArray[np.bool_]) -> FloatArray:
 def _residuals(blocks: Blocks, fitted: Design, compared: Design) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Residuals, torques and moves of the tested rows of one split, (n, K) each; not numbers where rows are too few."""
     active = [np.arange(columns.shape[1]) for columns in fitted.friction]
-    used, tested = fold_of(blocks, fitted).fitted, fold_of(blocks, compared).tested
+    used, tested = fold_of(blocks, fitted)  # rows of both designs are at the same times
     count = fitted.base.shape[2] + max((len(k) for k in active), default=0)
     if used.sum() < count or not tested.any():
         nothing = np.full((len(fitted.tau), 1), np.nan)
