@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError
 from exoid.tools.numbers import ROUNDED
 
 from .actuators import Actuator, StepTorque
-from .controllers import Controller, Reference, Target
+from .controllers import Controller, Reference
 from .plant import Plant
 from .run import Energy, Run
 from .sensors import Sensors, read_angle, read_torque, read_velocity
@@ -29,8 +29,7 @@ class Rates(NamedTuple):
     """Rates of controller and log; each period must be a multiple of the plant's step.
 
     Attributes:
-        control: Rate of the controller [Hz]; inf for an analogue one, or one so fast that its torque follows the motion
-            continuously. Its command is evaluated at the middle of each step, so that the scheme stays of second order.
+        control: Rate of the controller [Hz].
         log: Rate of the log [Hz]; a sample of both has the same readings.
         step: Step of the plant [s].
     """
@@ -43,17 +42,16 @@ class Rates(NamedTuple):
         """Count the steps of the plant in each period.
 
         Returns:
-            Steps in a period of the controller, 0 for a continuous one, and of the log.
+            Steps in a period of the controller, and of the log.
 
         Raises:
             ExoidError: A rate or the step is not positive, or a period is not a multiple of the step.
         """
-        if not (self.control > 0.0 and all(np.isfinite(x) and x > 0.0 for x in self[1:])):
+        if not all(np.isfinite(x) and x > 0.0 for x in self):
             raise BadArgumentError(f"rates and step must be positive: {self}", remedy="give them in Hz, Hz and s")
         counts = [1.0 / (rate * self.step) for rate in (self.control, self.log)]
         whole = [round(count) for count in counts]
-        wrong = [abs(count - k) > 1e-6 * k or (k < 1 and count > 0.0) for count, k in zip(counts, whole, strict=True)]
-        if any(wrong):
+        if any(abs(count - k) > 1e-6 * k or k < 1 for count, k in zip(counts, whole, strict=True)):
             raise BadArgumentError(
                 f"rates of {self.control:g} and {self.log:g} Hz do not fit a step of {self.step:g} s",
                 remedy="choose periods that are whole multiples of the step",
@@ -81,8 +79,7 @@ def simulate(
     Args:
         plant: B rigs.
         reference: Motion to follow.
-        controller: Controller, whose command is held between its samples. A continuous one (see :class:`Rates`) reads
-            true angles and velocities.
+        controller: Controller, whose command is held between its samples.
         actuator: Actuator of each joint, initially in state zero.
         duration: Duration [s].
         start: Initial angles [rad], (n, B) or (n, 1), of one rig (n,); the rigs then start at rest. None for
@@ -121,15 +118,11 @@ def simulate(
     state, command, torque = np.zeros((3, plant.n, plant.count))
     past: deque[tuple[FloatArray, ...]] = deque(maxlen=sensors.delay * every_control + 1)
     samples: list[tuple[FloatArray, ...]] = []
-    before, begin, exchanged = rig.v, rig.energy(), np.zeros((3, plant.count))
-
-    def commanded(target: Target, *reading: FloatArray) -> FloatArray:
-        return _broadcast(controller.command(target, *reading), plant, "command of the controller")
-
+    begin, exchanged = rig.energy(), np.zeros((3, plant.count))
     with np.errstate(over="ignore", invalid="ignore"):  # overflow of a diverging run, which raises an error below
         for k in range(count + 1):
             past.append((torque, rig.q, rig.v, *((limb.limb.q, limb.limb.v) if limb else ())))
-            logs, controls = k % every_log == 0, every_control and k % every_control == 0
+            logs, controls = k % every_log == 0, k % every_control == 0
             if controls or logs:
                 if not (np.abs(rig.v) < DIVERGED_SPEED).all():
                     raise BadArgumentError(
@@ -140,10 +133,8 @@ def simulate(
                 reading = read_angle(sensors, motion[0], rng), read_velocity(sensors, motion[1], rng)
             if controls:
                 felt = (limb.interaction(*motion),) if limb else ()
-                command = commanded(target, *reading, *felt)
+                command = _broadcast(controller.command(target, *reading, *felt), plant, "command of the controller")
             if logs:
-                if not every_control:
-                    tau = torque = actuator.torque(state, commanded(target, rig.q, rig.v))
                 worn = (limb.interaction(*past[-1][1:]), limb.limb.q) if limb else ()
                 targets = _broadcast(target.q, plant, "target")
                 samples.append((rig.q, rig.v, torque, *reading, read_torque(sensors, tau, rng), targets, *worn))
@@ -151,10 +142,7 @@ def simulate(
                     progress(k / count)
             if k == count:
                 break
-            if not every_control:
-                ahead = rig.v + 0.5 * (rig.v - before)
-                command = commanded(reference.at((k + 0.5) * dt), rig.q + 0.5 * dt * rig.v, ahead)
-            drive, before = actuator.drive(state, command, dt), rig.v
+            drive = actuator.drive(state, command, dt)
             step = rig.step(drive.torque, drive.damping)
             state = actuator.advance(state, command, step.mean_velocity, dt)
             torque = actuator.torque(state, command)

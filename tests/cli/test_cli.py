@@ -28,9 +28,6 @@ def assert_refused(run, *words):
         assert word in run.err
 
 
-# ------------------------------------------------------------------------------------------- identify
-
-
 def test_identify_prints_and_writes_the_estimate(exoid_, estimate, tmp_path):
     assert exoid_("identify", "bleex", TRAIN, "-o", "leg.json") == (0, f"{estimate}\n", "")
     loaded = Estimate.load(tmp_path / "leg.json")
@@ -105,9 +102,6 @@ def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
     found = json.loads(exoid_("identify", "bleex", TRAIN, "--test", TEST, "--test", TRAIN, "--json").out)
     assert found["tests"] == [exoid.validate(estimate, each).to_json() for each in (data.test, data.train)]
     assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
-
-
-# ------------------------------------------------------------------------------------------- validate
 
 
 @pytest.fixture

@@ -82,9 +82,6 @@ def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     assert track(saved, "--reference", "labels.csv").out == out
 
 
-# ------------------------------------------------------------------------------------------ dry run
-
-
 def gait_log(path):
     """Text of a log of the leg of an estimate under feedforward."""
     known = control.ControlModel.of(Estimate.load(path / "est.json"))

@@ -87,8 +87,6 @@ def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
     np.testing.assert_allclose(torque, estimate.torque(q, v, a), rtol=0, atol=1e-9)
 
 
-# ------------------------------------------------------------------------------------ any robot, locks
-
 ROBOTS_TO_TRY = {  # joints that move, and locked positions of others
     "ur5": (None, {}),
     "panda": (tuple(f"panda_joint{k}" for k in range(1, 8)), {"panda_finger_joint1": 0.02}),

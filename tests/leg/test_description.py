@@ -15,8 +15,6 @@ from exoid import ExoidError, Leg
 from exoid.errors import UnreadableInputError
 from exoid.leg.description import LARGEST_URDF, describe, read_description
 
-# ------------------------------------------------------------------------------------------ the file
-
 
 def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path):
     path = tmp_path / "huge.urdf"
@@ -52,12 +50,6 @@ def test_a_wrong_encoding_declaration_does_not_change_the_names():
     assert describe(text).child_links["knee"] == "jambe_pliée"
 
 
-# -------------------------------------------------------------------------------------------- the XML
-
-
-# ---------------------------------------------------------------------------------------- the numbers
-
-
 @pytest.mark.parametrize("gap", ["\n", "\t", "\n      ", "   ", "&#10;", "\u00a0"])
 def test_numbers_may_be_parted_and_surrounded_by_any_blank(gap):
     """Pinocchio's own parser knows single spaces only, and would drop the <inertial>."""
@@ -74,12 +66,6 @@ def test_what_does_not_move_or_is_only_large_is_read():
     assert Leg.from_description(describe(replaced('type="revolute"', 'type="floating"'))).joint_names == ("knee",)
     largest = Leg.from_description(describe(replaced('xyz="0 0 -0.2"', 'xyz="99 0 0"')))
     assert np.isfinite(largest.parameters).all()
-
-
-# ------------------------------------------------------------------------------- inertias of the model
-
-
-# ------------------------------------------------------------------------------------- choosing joints
 
 
 PARTS = {1 / 2: ("1.5708", "1.57", "1.571", "157.08e-2"), -1 / 2: ("-1.5707",), 1: ("3.1416",), -1: ("-3.14",)}
@@ -102,9 +88,6 @@ def test_a_leg_whose_joints_are_turned_by_rounded_right_angles_is_planar():
     )
     leg = Leg.from_description(describe(turned))
     assert leg.parameter_names == ("X1", "Y1", "J1", "X2", "Y2", "J2")
-
-
-# --------------------------------------------------------------------------------------- anything else
 
 
 def outcome(action: Callable[[], object]) -> object:

@@ -25,9 +25,6 @@ def robot(request):
     return Leg.from_urdf(urdf_of(request.param), joints, locked=locked, base="floating")
 
 
-# ------------------------------------------------------------------------------------------------ planar machines
-
-
 @pytest.mark.parametrize(("name", "inertias"), EXOS)
 def test_an_exoskeleton_that_floats_has_the_rows_of_pinocchios_free_flyer(name, inertias):
     exo = exoid.load_exo(name, inertias, base="floating")
@@ -121,9 +118,6 @@ def test_many_samples_are_those_of_single_ones():
     np.testing.assert_array_equal(W[rows], few)
 
 
-# --------------------------------------------------------------------------------------------- machines of joint rows
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_limbs_keep_documented_names_on_a_base_that_moves_within_the_plane(seed):
     rng = np.random.default_rng(seed)
@@ -172,9 +166,6 @@ def test_limbs_are_named_by_their_side_or_their_first_joint(names, labels):
     assert leg.parameter_names[-1] == f"J2_{labels[1]}"
 
 
-# ------------------------------------------------------------------------------------------------------ other robots
-
-
 def test_any_robot_that_floats_has_the_rows_of_pinocchios_free_flyer(robot):
     flight = Flight.random(robot, np.random.default_rng(1))
     assert_relative(robot.inverse_dynamics(*flight.joints, flight.base), flight.rows(), TOLERANCE)
@@ -190,9 +181,6 @@ def test_a_floating_tree_of_n_revolute_joints_has_10_and_7_n_parameters(robot):
     assert robot.parameter_names[0].startswith(f"m_{robot.description.root_link} + m_")
     mass = robot.parameters[0]
     assert mass == pytest.approx(pin.computeTotalMass(Flight.random(robot, np.random.default_rng(0), 1).model))
-
-
-# ----------------------------------------------------------------------------------------- power, momentum, mass
 
 
 @pytest.mark.parametrize("planar", [True, False])

@@ -33,9 +33,6 @@ def motion_of(leg: Leg, samples: int = 20, seed: int = 1) -> tuple[np.ndarray, n
     return random_motion(np.random.default_rng(seed), len(leg.joint_names), samples)
 
 
-# ------------------------------------------------------------------------------- properties of M, C, G
-
-
 @LEGS
 def test_the_mass_matrix_is_symmetric_and_positive_definite(leg):
     M = leg.mass_matrix(motion_of(leg)[0])
@@ -56,9 +53,6 @@ def test_joint_power_is_the_rate_of_the_whole_energy(leg):
     assert_relative((after - before) / (2 * STEP) + np.einsum("ni,ni->n", leg.gravity(q), v), power, 1e-7)
 
 
-# ------------------------------------------------------------------------------------ other libraries
-
-
 @pytest.mark.parametrize(("name", "inertias"), list(URDFS))
 def test_mujoco_has_the_same_inverse_dynamics(name, inertias, side):
     """MuJoCo's own reading of the URDF and its own algorithm.
@@ -76,9 +70,6 @@ def test_mujoco_has_the_same_inverse_dynamics(name, inertias, side):
     torque = mujoco_torque(model, leg.joint_names, q, v, a)
     np.testing.assert_allclose(torque, leg.inverse_dynamics(q, v, a), rtol=0, atol=1e-9)
     np.testing.assert_allclose(torque, leg.regressor(q, v, a) @ leg.parameters, rtol=0, atol=1e-9)
-
-
-# ------------------------------------------------------------------------------ joints, locked and not
 
 
 @pytest.mark.parametrize("continuous", [False, True])
@@ -144,9 +135,6 @@ def test_labels_are_the_names_where_the_side_is_not_the_same_for_all(names):
     for old, new in zip(("hip", "knee"), names, strict=True):
         text = text.replace(f'<joint name="{old}"', f'<joint name="{new}"')
     assert Leg.from_description(describe(text)).joint_labels == names
-
-
-# --------------------------------------------------------------------------------- other parameters
 
 
 def test_a_leg_with_other_parameters_has_their_torques(built_in_leg):

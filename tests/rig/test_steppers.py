@@ -114,9 +114,6 @@ def test_end_stops_hold_and_do_not_bounce():
     assert rig.q[1, 0] < knee - 0.1  # it lets go when pulled away
 
 
-# --------------------------------------------------------------------------------------------- MuJoCo
-
-
 def mujoco_angles(plant: Plant, dt: float, duration: float, solref: float) -> np.ndarray:
     model = mujoco.MjModel.from_xml_path(str(urdf_folder() / URDFS["bleex", "cad"]))
     dofs = [int(model.joint(name).dofadr[0]) for name in plant.leg.joint_names]

@@ -65,9 +65,6 @@ def worn(plant=FREE, wearer=None, duration=1.0, controller=None, reference=GAIT,
     )
 
 
-# ------------------------------------------------------------------------------------- coupled equations
-
-
 def coupled_by_pinocchio(plant, wearer, start, times):
     """Pinocchio's forward dynamics of leg and limb, no actuator torque, under DOP853: angles of both, (K, 2n)."""
     leg = plant.leg.with_parameters(plant.parameters[:, 0])
@@ -148,9 +145,6 @@ def test_a_spatial_leg_may_be_worn():
     np.testing.assert_allclose(run.q[..., 0], truth[:, :2], atol=1e-4)
 
 
-# ------------------------------------------------------------------------------------------------ limits
-
-
 def test_no_cuff_no_interaction():
     """Not a bit of the leg's motion changes."""
     loose = Wearer.build(CUHK, cuff_stiffness=0.0, cuff_damping=0.0)
@@ -161,9 +155,6 @@ def test_no_cuff_no_interaction():
     np.testing.assert_array_equal(run.tau_measured, alone.tau_measured)
     assert alone.interaction is None
     assert alone.limb_q is None
-
-
-# ------------------------------------------------------------------------------------------------ balances
 
 
 @pytest.mark.nightly
@@ -185,9 +176,6 @@ def test_the_muscles_work_is_part_of_the_balance():
     assert energy.work[0] == pytest.approx(energy.gain[0] + energy.dissipated[0], rel=1e-4)
 
 
-# -------------------------------------------------------------------------------------------- many rigs
-
-
 def test_joints_stick_stop_and_reverse_under_a_wearer():
     """One rig and two agree where the leg sticks and meets its end stops."""
     plant = Plant.build(BLEEX, EVERYTHING)
@@ -207,16 +195,10 @@ def test_joints_stick_stop_and_reverse_under_a_wearer():
     assert stopped > 20
 
 
-# ------------------------------------------------------------------------------------- sensors and seeds
-
-
 def test_the_torque_of_the_wearer_arrives_as_late_as_all_readings():
     late, rates = Feel(), Rates(100.0, 100.0, 5e-4)
     run = worn(controller=late, rates=rates, sensors=Sensors(np.inf, delay=3))
     np.testing.assert_array_equal(np.array(late.felt)[3:], run.interaction[:-3])
-
-
-# -------------------------------------------------------------------------------------------- anthropometry
 
 
 def test_the_limb_is_that_of_winters_table():

@@ -66,9 +66,6 @@ def estimate() -> Estimate:
     return identify(LEG, [swing_with_couplings(1), swing_with_couplings(2)], TERMS)
 
 
-# -------------------------------------------------------------------------------------------- physics
-
-
 def test_the_whole_model_is_the_sum_of_its_equations():
     model, (q, v, a) = TorqueModel(LEG, ALL), random_motion(50, 3)
     values = np.append(LEG.parameters, [VALUES[name] for name in model.names[len(LEG.parameters) :]])
@@ -76,9 +73,6 @@ def test_the_whole_model_is_the_sum_of_its_equations():
     np.testing.assert_allclose(model.regressor(q, v, a) @ values, expected, atol=1e-10)
     acting = model.acting[:, len(LEG.parameters) :]
     assert acting.sum(axis=0).tolist() == [2, 2, 2, 2, 3]
-
-
-# ------------------------------------------------------------------------------------- identification
 
 
 def test_couplings_are_found_beside_everything_else(estimate):
@@ -132,12 +126,6 @@ def test_the_checks_find_no_fault_where_the_couplings_are_in_the_model():
     assert [finding for finding in without.findings if finding.severity != "info"]
 
 
-# ------------------------------------------------------------------------ files, prediction and export
-
-
-# -------------------------------------------------------------------------------------------- control
-
-
 @pytest.fixture(scope="module")
 def control(estimate) -> ControlModel:
     return ControlModel.of(estimate)
@@ -160,9 +148,6 @@ def test_the_mass_matrix_has_the_rotor_across_joints(estimate, control):
     np.testing.assert_allclose(added, estimate.value("Ia_hip_knee_ankle") * np.outer(row, row), atol=1e-12)
     several = control.rotors(random_motion(5, 3)[0])
     np.testing.assert_allclose(several, np.broadcast_to(added, (5, 3, 3)), atol=1e-12)
-
-
-# ------------------------------------------------------------------------------------------- refusals
 
 
 def test_a_rotor_over_two_joints_is_regrouped_beside_the_rotor_of_the_second():

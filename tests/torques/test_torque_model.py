@@ -14,9 +14,6 @@ def model_of(leg: Leg, *terms: object) -> TorqueModel:
     return TorqueModel(leg, terms)
 
 
-# -------------------------------------------------------------------------------------- names, order
-
-
 def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
     model = model_of(leg, Coulomb(), Viscous(joints=("knee",)), Stiffness(joints=("ankle",)))
     assert model.names == (
@@ -26,9 +23,6 @@ def test_the_legs_parameters_come_first_then_each_term_joint_by_joint(leg):
         *("b2_ankle", "b1_ankle", "b0_ankle"),
     )
     assert model.units == (*leg.parameter_units, *("N·m",) * 3, "N·m·s/rad", *("N·m/rad²", "N·m/rad", "N·m"))
-
-
-# ------------------------------------------------------------------------------------------ columns
 
 
 @pytest.mark.parametrize("samples", [1, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK + 5])
@@ -56,9 +50,6 @@ def test_terms_do_not_feel_the_torso_and_the_leg_does(leg):
     W = model.regressor(q, v, a, torso)
     np.testing.assert_array_equal(W[:, :, :9], leg.regressor(q, v, a, torso))
     np.testing.assert_array_equal(W[:, :, 9:], model.regressor(q, v, a)[:, :, 9:])
-
-
-# ---------------------------------------------------------------------------------------- regrouping
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])
@@ -121,14 +112,8 @@ def test_regrouped_parameters_state_their_share_and_leave_the_others_their_colum
     assert_relative(W[:, :, 2] * 2.0, np.stack([2.0 * a[:, 0], 0 * q[:, 1], 0 * q[:, 2]], axis=1), 1e-15)
 
 
-# ------------------------------------------------------------------------------------------ refusals
-
-
 def test_the_same_term_at_different_joints_may_have_different_settings(leg):
     model = model_of(leg, Coulomb(joints=("hip",), smoothing=0.5), Coulomb(joints=("knee", "ankle"), smoothing=0.0))
     assert model.names[9:] == ("c0_hip", "c0_knee", "c0_ankle")
     W = model.regressor(np.zeros((1, 3)), np.full((1, 3), 0.5), np.zeros((1, 3)))
     np.testing.assert_allclose(W[0, [0, 1, 2], [9, 10, 11]], [np.tanh(1.0), 1.0, 1.0])
-
-
-# ------------------------------------------------------------------------------------------- usable

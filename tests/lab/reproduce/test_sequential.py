@@ -81,9 +81,6 @@ def test_estimates_are_unbiased_by_noise(noisy_bleex):
     assert (np.abs(values.mean(axis=0) - truth) < 4.0 * values.std(axis=0) / np.sqrt(len(values))).all()
 
 
-# ---------------------------------------------------------------------------------------- document 2
-
-
 @pytest.fixture(scope="module")
 def cuhk_leg():
     return exoid.load_leg("cuhk")
@@ -103,9 +100,6 @@ def test_the_moving_average_biases_what_moves_but_not_what_stands(cuhk_leg):
     assert all(known[name] == pytest.approx(truth[name], abs=1e-9) for name in ("b1_knee", "X1", "Y1", "X2", "Y2"))
     assert known["c0_hip"] < truth["c0_hip"] - 0.03
     assert known["d_hip"] > truth["d_hip"] + 0.2
-
-
-# ------------------------------------------------------------------------------------------ refusals
 
 
 NOTHING = SequentialEstimate()

@@ -52,9 +52,6 @@ def assert_possible(lifted: Lift):
         assert 0.0 < a <= b <= c < a + b
 
 
-# ------------------------------------------------------------------------------------------ feasible
-
-
 def test_the_legs_own_parameters_lift_to_its_own_links(built_in_leg):
     lifted = lift(built_in_leg, built_in_leg.parameters)
     assert lifted.feasible
@@ -100,9 +97,6 @@ def test_neither_covariance_nor_pull_matters_where_the_estimate_is_feasible(leg,
     with_, without = lift(leg, values, covariance, pull=pull), lift(leg, values)
     assert with_.feasible
     np.testing.assert_array_equal(with_.link_parameters, without.link_parameters)
-
-
-# ---------------------------------------------------------------------------------------- infeasible
 
 
 @pytest.mark.parametrize("robot", ["bleex", "cuhk", "ur5"])
@@ -166,9 +160,6 @@ def test_values_that_only_lighter_links_have_are_not_feasible_within_a_mass_fact
     light = 0.1 * leg.parameters
     assert lift(leg, light).feasible
     assert not lift(leg, light, np.diag((0.01 * np.abs(light) + 1e-3) ** 2), mass_factor=5.0).feasible
-
-
-# -------------------------------------------------------------------------------------------- priors
 
 
 def rod(inertia):
@@ -236,6 +227,3 @@ def test_pseudo_inertias_are_pinocchios():
     U = upper_factors(P)[0]
     np.testing.assert_allclose(U @ U.T, P[0], atol=1e-13)
     np.testing.assert_array_equal(np.tril(U, -1), 0.0)
-
-
-# ------------------------------------------------------------------------------------------ bounds

@@ -23,9 +23,6 @@ class Link(NamedTuple):
     inertia: float
 
 
-# ------------------------------------------------------------------------------------------- document 1
-
-
 def bleex_parameters(thigh: Link, shank: Link, foot: Link, L_t: float, L_s: float) -> dict[str, float]:
     """Eqs. (1)-(9), with L − L_G = −c_z and h_G = c_x on the thigh and shank, L_G = c_x and h_G = c_z on the foot."""
     m_t, m_s, m_f = thigh.m, shank.m, foot.m
@@ -102,9 +99,6 @@ def bleex_torques(p: Mapping[str, float], L_t: float, L_s: float, q: Array, v: A
         + G * (X1 * sin(t1) + Y1 * cos(t1) + X2 * sin(t12) + Y2 * cos(t12) + X3 * sin(t123) + Y3 * cos(t123))
     )
     return np.column_stack([T1, T2, T3])
-
-
-# ------------------------------------------------------------------------------------------- document 2
 
 
 def cuhk_parameters(thigh: Link, shank: Link, L_t: float, L_s: float) -> dict[str, float]:

@@ -37,9 +37,6 @@ def labels(count: int) -> list[str]:
     return [f"link{k}" for k in range(1, count + 1)]
 
 
-# -------------------------------------------------------------------------------------------- torques
-
-
 def test_base_parameters_give_pinocchios_torques(robot):
     name, leg = robot
     assert leg.chain is None
@@ -56,9 +53,6 @@ def test_other_link_parameters_reduce_to_the_same_torques(robot):
     for link_parameters in rng.standard_normal((3, Y.shape[-1])):
         reduced = leg.reduction.reduce(Y) @ leg.reduction.parameters(link_parameters)
         assert_relative(reduced, Y @ link_parameters, 1e-8)
-
-
-# ----------------------------------------------------------------------------------------------- rank
 
 
 def test_the_rank_is_that_of_a_regressor_over_other_motions(robot):
@@ -104,9 +98,6 @@ def test_clearly_offset_and_clearly_coaxial_joints_have_their_number_of_paramete
 def test_offsets_that_rounding_explains_are_merged(offset):
     assert len(nearly_coaxial(offset, last=True).parameters) == 9
     assert nearly_coaxial(offset, last=False).parameter_names == ("Izz_b", "Izz_c")
-
-
-# ----------------------------------------------------------------------------------------- rounding
 
 
 def rounded(robot: str, decimals: int, attributes: tuple[str, ...]) -> Description:
@@ -157,9 +148,6 @@ def test_axes_that_rounding_tilts_have_the_parameters_of_exact_axes(decimals):
         q, v, a = random_motion(np.random.default_rng(7), 2, 50)
         rounding = 10.0**-decimals
         assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 3.0 * rounding)
-
-
-# ---------------------------------------------------------------------------------------------- names
 
 
 def test_numeric_parameters_of_a_planar_leg_are_the_documents(side):

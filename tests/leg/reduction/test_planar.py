@@ -25,9 +25,6 @@ def check_against_pinocchio(leg: Leg, q: np.ndarray, v: np.ndarray, a: np.ndarra
     assert_relative(W, leg.reduction.reduce(joint_torque_regressor(leg.model, q, v, a)), TOLERANCE)
 
 
-# --------------------------------------------------------------------------------- equal to Pinocchio
-
-
 @CUMULATIVE
 def test_built_in_legs_have_pinocchios_torques_and_regressor(built_in_leg, cumulative):
     leg = with_definition(built_in_leg, cumulative=cumulative)
@@ -67,9 +64,6 @@ def test_a_chain_of_either_world_axis_and_any_sign_is_read_as_planar():
             np.testing.assert_allclose(read.offsets, offsets, atol=1e-12)
 
 
-# -------------------------------------------------------------------------------------------- blocks
-
-
 @pytest.mark.parametrize("samples", [1, 8191, 8192, 8193, 20000])
 def test_a_batch_is_the_same_as_its_samples_one_by_one(samples, leg):
     assert planar.BLOCK == 8192
@@ -89,9 +83,6 @@ def test_blocks_fit_together_under_a_moving_torso(samples):
     torso = TorsoMotion(*rng.uniform(-1, 1, (3, samples)), rng.uniform(-3, 3, (samples, 2)))
     expected = leg.inverse_dynamics(q, v, a, torso)
     assert_relative(leg.regressor(q, v, a, torso) @ leg.parameters, expected, TOLERANCE)
-
-
-# -------------------------------------------------------------------------------------- large angles
 
 
 @CUMULATIVE
@@ -114,9 +105,6 @@ def test_angles_at_and_near_the_pole_of_the_half_angle_tangent_are_accurate(base
         q[joint * len(angles) : (joint + 1) * len(angles), joint] = angles
     v, a = np.random.default_rng(9).uniform(-5, 5, (2, *q.shape))
     check_against_pinocchio(leg, q, v, a)
-
-
-# ------------------------------------------------------------------------- what is not a planar chain
 
 
 def two_joints(first: str, second: str, *, kind: str = "revolute", parent: str = "b", rpy: str = "0 0 0") -> Leg:
