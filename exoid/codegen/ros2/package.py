@@ -44,7 +44,6 @@ TEMPLATES = {
     "README.md": "",
     "controllers.yaml": "config/",
     "law.hpp": "include/{p}/",
-    "messages.hpp": "include/{p}/",
     "package.xml": "",
     "plugin.xml": "",
     "controller.cpp": "src/",

@@ -1,11 +1,7 @@
 const FRAME = 1 / 30;  // time between keyframes [s]
 const NIGHT = { top_color: [0.09, 0.1, 0.11], bottom_color: [0.16, 0.175, 0.19] };
-const COLOURS = {  // ground, its lines, measured data, weights: the same objects by day and by night
-  day: ["#c8ced6", "#b9bfc8", "@MEASURED@", "@WEIGHT@"],
-  night: ["#3a4047", "#4d545d", "#e6e6e6", "#b39a80"],
-};
+const AT_NIGHT = { "#c8ced6": "#3a4047", "#b9bfc8": "#4d545d", "@MEASURED@": "#e6e6e6", "@WEIGHT@": "#b39a80" };  // ground, its lines, data, weights
 const PAPER = [1600, 800];  // size of the printed picture: a window has no definite size while it is printed
-const DARKEST = 104;  // of 255: darker parts of the leg vanish before the background of the night
 
 const element = id => document.getElementById(id);
 const round = (value, digits) => Number(value).toFixed(digits).replace(/^-(0(\.0+)?)$/, "$1").replace("-", "−");
@@ -75,11 +71,11 @@ function fillLegend(viewer, scene) {
   for (const note of scene.notes) make("p", layers, note);
 }
 
-// A colour that is seen before a dark background: black parts become grey.
+// Colour before a dark background, where black parts of the leg would vanish: they become grey.
 function lightened(colour) {
   const parts = colour.match(/[0-9a-f]{2}/gi).map(part => parseInt(part, 16));
-  const more = Math.max(0, DARKEST - Math.max(...parts));
-  return "#" + parts.map(part => (part + more).toString(16).padStart(2, "0")).join("");
+  const more = Math.max(0, 104 - Math.max(...parts));
+  return AT_NIGHT[colour.toLowerCase()] ?? "#" + parts.map(part => (part + more).toString(16).padStart(2, "0")).join("");
 }
 
 // Background, ground, dark arrows and black parts follow the colour scheme of the browser; paper is always light.
@@ -87,27 +83,17 @@ function followScheme(viewer, scene) {
   const node = finder(viewer), day = {};
   for (const command of scene.commands)
     if (command.path === "/Background" && command.type === "set_property") day[command.property] = command.value;
-  const recolour = (colour, night) => {
-    const place = Math.max(COLOURS.day.indexOf(colour.toLowerCase()), COLOURS.night.indexOf(colour));
-    return place < 0 ? colour : COLOURS[night ? "night" : "day"][place];
-  };
   function paint(night) {
     for (const [name, colour] of Object.entries(night ? NIGHT : day)) node("/Background").set_property(name, colour);
     viewer.show_background();
-    const paintPart = part => {
-      const own = part.material && part.material.color;
-      if (own) own.set(recolour("#" + own.getHexString(), night));
-    };
-    node("/exoid/ground").object.traverse(paintPart);
+    const seen = colour => night ? lightened(colour) : colour;
     node("/exoid").object.traverse(part => {
       const surface = part.material;
       if (!surface || !surface.color) return;
-      if (surface.type === "MeshBasicMaterial") paintPart(part);
-      if (surface.type !== "MeshPhongMaterial") return;
       surface.userData.day ??= "#" + surface.color.getHexString();
-      surface.color.set(night ? lightened(surface.userData.day) : surface.userData.day);
+      surface.color.set(seen(surface.userData.day));
     });
-    for (const swatch of document.querySelectorAll("#layers i")) swatch.style.background = recolour(swatch.dataset.colour, night);
+    for (const swatch of document.querySelectorAll("#layers i")) swatch.style.background = seen(swatch.dataset.colour);
     viewer.set_dirty();
   }
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
