@@ -148,12 +148,12 @@ class Attachments(MomentArm):
         return mounted
 
     def length(self, q: FloatArray) -> FloatArray:
-        """L = √(c₀ + c₁ cos q + c₂ sin q)."""
+        """Compute l = √(c₀ + c₁ cos q + c₂ sin q)."""
         c0, c1, c2 = self._mounted
         return np.asarray(np.sqrt(np.maximum(c0 + c1 * np.cos(q) + c2 * np.sin(q), 0.0)))
 
     def arm(self, q: FloatArray) -> FloatArray:
-        """R = (c₂ cos q − c₁ sin q) / 2l."""
+        """Compute r = (c₂ cos q − c₁ sin q) / 2l."""
         _, c1, c2 = self._mounted
         return np.asarray(0.5 * (c2 * np.cos(q) - c1 * np.sin(q)) / np.maximum(self.length(q), SHORTEST))
 

@@ -113,19 +113,17 @@ def _linear(table: Table) -> LinearActuator:
             "both attachment points and a table of moment arms" if both else "no attachment points",
             remedy="write first and second, or angle (or angle_deg) and moment_arm",
         )
-    arm = _attachments(table) if points & table.keys() else _moment_arms(table)
     gain = table.get("gain", 1.0)
-    return LinearActuator(arm, table.get("max_force"), None if gain == UNKNOWN else gain)
-
-
-def _attachments(table: Table) -> Attachments:
-    ends = {key: table[key] for key in ("first", "second") if key in table}
-    _check_keys(ends, set(ends), REQUIRED[Attachments])
-    for key, end in ends.items():
-        if not isinstance(end, Mapping) or set(end) != {"link", "point"}:
-            raise UnreadableInputError(f"{key} is {end!r}", remedy=REQUIRED[Attachments][key])
-    first, second = (Attachment(end["link"], end["point"]) for end in ends.values())
-    return Attachments(first, second)
+    limits = table.get("max_force"), None if gain == UNKNOWN else gain
+    if not points & table.keys():
+        return LinearActuator(_moment_arms(table), *limits)
+    for key, remedy in REQUIRED[Attachments].items():
+        if key not in table:
+            raise UnreadableInputError(f"no {key}", remedy=remedy)
+        if not isinstance(table[key], Mapping) or set(table[key]) != {"link", "point"}:
+            raise UnreadableInputError(f"{key} is {table[key]!r}", remedy=remedy)
+    first, second = (Attachment(table[key]["link"], table[key]["point"]) for key in ("first", "second"))
+    return LinearActuator(Attachments(first, second), *limits)
 
 
 def _moment_arms(table: Table) -> MomentArmTable:

@@ -15,7 +15,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
@@ -47,12 +46,17 @@ class PlanarBodies(NamedTuple):
         phases = np.angle(phasors)
         phases[: chain.n] += pitch
         S = np.tril(np.tile(chain.signs, (chain.n, 1)))
+        n, pairs, of_upper, of_lower = chain.n, len(upper), S[upper], S[lower]  # how joints turn segments of a pair
+        sums = np.zeros((n * n + n, n + 3 * pairs))
+        couplings = of_upper[:, :, None] * of_lower[:, None] + of_lower[:, :, None] * of_upper[:, None]
+        sums[: n * n, n : n + pairs] = couplings.reshape(pairs, n * n).T
+        sums[n * n :] = np.concatenate([S, np.zeros_like(of_upper), -of_upper, of_lower]).T
         return cls(
-            halves=0.5 * np.concatenate([S, S[lower] - S[upper]]),
+            halves=0.5 * np.concatenate([S, of_lower - of_upper]),
             half_phases=0.5 * phases,
             lengths=np.abs(phasors),
-            rates=np.concatenate([S[lower], S[upper]]),
-            sums=_sums(S, upper, lower),
+            rates=np.concatenate([of_lower, of_upper]),
+            sums=sums,
             inertia=np.einsum("ka,kb,kr->abr", S, S, J).reshape(-1, J.shape[1]),
         )
 
@@ -84,14 +88,3 @@ class PlanarBodies(NamedTuple):
         M, _ = self.dynamics(q, v)
         height = self.lengths[:n] * np.sin(2.0 * (self.halves[:n] @ q + self.half_phases[:n]))
         return np.asarray(0.5 * ((M * v).sum(axis=1) * v).sum(axis=0) + height.sum(axis=0))
-
-
-def _sums(S: FloatArray, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> FloatArray:
-    """Build :attr:`PlanarBodies.sums`."""
-    n, pairs = len(S), len(upper)
-    of_upper, of_lower = S[upper], S[lower]  # rows of S: how joints turn each segment of a pair
-    sums = np.zeros((n * n + n, n + 3 * pairs))
-    couplings = of_upper[:, :, None] * of_lower[:, None] + of_lower[:, :, None] * of_upper[:, None]
-    sums[: n * n, n : n + pairs] = couplings.reshape(pairs, n * n).T
-    sums[n * n :] = np.concatenate([S, np.zeros_like(of_upper), -of_upper, of_lower]).T
-    return sums

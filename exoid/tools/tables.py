@@ -137,12 +137,22 @@ def _unbroken(cell: str) -> int:
 
 def to_html(*parts: DataTable | str) -> str:
     """Render tables, with their captions, and lines as HTML, such as a ``_repr_html_`` returns to a notebook."""
-    return "".join(
-        html_table(part.headers, part.rows, part.caption)
-        if isinstance(part, DataTable)
-        else f"<p>{html.escape(part)}</p>"
-        for part in parts
-    )
+
+    def row(tag: str, cells: Sequence[str]) -> str:
+        """Write a row, the first cell to the left."""
+        sides = ("left", *("right",) * (len(cells) - 1))
+        each = (f'<{tag} style="text-align:{x}">{html.escape(c)}</{tag}>' for x, c in zip(sides, cells, strict=True))
+        return f"<tr>{''.join(each)}</tr>"
+
+    texts = []
+    for part in parts:
+        if isinstance(part, str):
+            texts.append(f"<p>{html.escape(part)}</p>")
+            continue
+        caption = f'<caption style="text-align:left">{html.escape(part.caption)}</caption>' if part.caption else ""
+        head = f"<thead>{row('th', part.headers)}</thead>" if part.headers else ""
+        texts.append(f"<table>{caption}{head}<tbody>{''.join(row('td', each) for each in part.rows)}</tbody></table>")
+    return "".join(texts)
 
 
 class Report(ABC):
@@ -169,22 +179,6 @@ def with_parts(
         return [table]
     of_parts = [(name, *row) for name, rows in parts for row in rows]
     return [table, "each recording:", make_table(("recording", *headers), of_parts)]
-
-
-def html_table(headers: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
-    """Render a table as HTML, such as a ``_repr_html_`` returns to a notebook."""
-
-    def line(tag: str, cells: Sequence[str]) -> str:
-        """Write a row of HTML, the first cell to the left."""
-        sides = ("left", *("right",) * (len(cells) - 1))
-        row = (
-            f'<{tag} style="text-align:{side}">{html.escape(c)}</{tag}>' for side, c in zip(sides, cells, strict=True)
-        )
-        return f"<tr>{''.join(row)}</tr>"
-
-    top = f'<caption style="text-align:left">{html.escape(caption)}</caption>' if caption else ""
-    head = f"<thead>{line('th', headers)}</thead>" if headers else ""
-    return f"<table>{top}{head}<tbody>{''.join(line('td', row) for row in rows)}</tbody></table>"
 
 
 def with_error(value: float, std: float, *bounds: float) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from exoid.tools.tables import WIDTH, html_table, line_width, make_table, to_text, with_error
+from exoid.tools.tables import WIDTH, DataTable, line_width, make_table, to_html, to_text, with_error
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_text_is_plain_and_fits():
 
 
 def test_a_table_in_html_has_the_caption_the_headers_and_the_cells():
-    table = ET.fromstring(html_table(("name", "value"), iter([("a", "1.0"), ("b", "2.0")]), caption="two rows"))
+    table = ET.fromstring(to_html(DataTable("two rows", ("name", "value"), [("a", "1.0"), ("b", "2.0")])))
     assert table.findtext("caption") == "two rows"
     assert [cell.text for cell in table.findall("thead/tr/th")] == ["name", "value"]
     assert [[cell.text for cell in row] for row in table.findall("tbody/tr")] == [["a", "1.0"], ["b", "2.0"]]
@@ -51,7 +51,7 @@ def test_a_table_in_html_has_the_caption_the_headers_and_the_cells():
 
 
 def test_markup_in_html_tables_is_escaped():
-    text = html_table(("<b>",), [("<script>alert(1)</script>",)], caption='a & "b" <i>')
+    text = to_html(DataTable('a & "b" <i>', ("<b>",), [("<script>alert(1)</script>",)]))
     assert "<script>" not in text
     assert [element.text for element in ET.fromstring(text).iter() if element.text] == [
         'a & "b" <i>',

@@ -68,7 +68,11 @@ def _parts(file: str, scale: list[float]) -> dict[str | None, Trimesh]:
     import trimesh  # noqa: PLC0415
 
     by_colour: dict[str | None, list[Trimesh]] = {}
-    for mesh in _read(file):
+    meshes = trimesh.load_scene(file, process=False).dump()  # each in its place
+    found = [mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    if not found:
+        raise ValueError("no triangles")
+    for mesh in found:
         if not np.isfinite(mesh.vertices).all():
             raise ValueError("vertices that are not finite numbers")
         if not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
@@ -80,17 +84,6 @@ def _parts(file: str, scale: list[float]) -> dict[str | None, Trimesh]:
     if not 0.0 < size <= LARGEST_MESH:
         raise ValueError(f"its size is {size:.3g} m")
     return parts
-
-
-def _read(file: str) -> list[Trimesh]:
-    """Meshes of a file, each in its place."""
-    import trimesh  # noqa: PLC0415
-
-    meshes = trimesh.load_scene(file, process=False).dump()
-    found = [mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
-    if not found:
-        raise ValueError("no triangles")
-    return found
 
 
 def _colour(mesh: Trimesh) -> str | None:
