@@ -7,9 +7,9 @@ from typing import Annotated
 from typer import Argument, Option
 
 from .inputs import load_estimate
+from .messages import progress_bar
 from .options import AsJson, Figures, Report
 from .outputs import check_outputs, show_report
-from .progress import progress_bar
 
 
 def coordinate(

@@ -15,6 +15,7 @@ from exoid.tools.toml import to_toml
 from .column_map import columns_of
 from .inputs import given_terms, read_drives, read_logs, refuse_other_payloads
 from .legs import find_leg, refuse_unknown_leg, refuse_without_base
+from .messages import status
 from .numbers import parse_known, parse_prior, split_names
 from .option_groups import expand_options
 from .options import (
@@ -35,7 +36,6 @@ from .options import (
     Texts,
 )
 from .outputs import check_outputs, print_result, save_page
-from .progress import status
 from .refusals import refuse
 
 

@@ -12,8 +12,7 @@ import typer
 from exoid.errors import BadArgumentError
 from exoid.tools.files import make_folder, refuse_input, refuse_unwritable
 
-from .messages import note
-from .progress import status
+from .messages import note, status
 from .refusals import refuse_missing
 
 if TYPE_CHECKING:

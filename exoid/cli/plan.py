@@ -14,7 +14,7 @@ from exoid.errors import BadArgumentError
 
 from .inputs import given_terms, read_logs
 from .legs import find_leg, refuse_unknown_leg
-from .messages import note
+from .messages import note, progress_bar
 from .numbers import parse_numbers, split_names, values_by_name
 from .option_groups import expand_options
 from .options import (
@@ -32,7 +32,6 @@ from .options import (
     given,
 )
 from .outputs import check_outputs, print_result, save_figures
-from .progress import progress_bar
 from .refusals import refuse
 
 if TYPE_CHECKING:

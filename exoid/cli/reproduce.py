@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from typer import Argument, Option
 
+from .messages import progress_bar
 from .options import AsJson, Figures, Report
 from .outputs import check_outputs, show_report
-from .progress import progress_bar
 
 
 def reproduce(

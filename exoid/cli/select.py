@@ -12,6 +12,7 @@ import exoid
 from .column_map import columns_of
 from .inputs import read_drives, read_logs
 from .legs import find_leg, refuse_unknown_leg
+from .messages import progress_bar
 from .numbers import parse_known
 from .option_groups import expand_options
 from .options import (
@@ -28,7 +29,6 @@ from .options import (
     Number,
 )
 from .outputs import check_outputs, print_result
-from .progress import progress_bar
 
 
 @expand_options(without=FIXED_BASE)

@@ -14,7 +14,7 @@ from exoid.tools.tables import DataTable
 
 from .column_map import with_remembered
 from .inputs import load_estimate
-from .messages import note
+from .messages import note, progress_bar
 from .numbers import parse_gains, parse_roles
 from .option_groups import expand_options
 from .options import (
@@ -31,7 +31,6 @@ from .options import (
     given,
 )
 from .outputs import check_outputs, print_result, save_figures, show_report
-from .progress import progress_bar
 from .refusals import is_readable, refuse
 
 if TYPE_CHECKING:

@@ -17,12 +17,11 @@ import exoid
 from .column_map import with_remembered
 from .inputs import read_drives, read_logs
 from .legs import BUILT_IN, find_leg, refuse_unknown_leg
-from .messages import note
+from .messages import note, status
 from .numbers import values_by_name
 from .option_groups import expand_options
 from .options import ANY_LEG, FIXED_BASE, READ_AS_IT_IS, AsJson, LegOptions, LogOptions, Text, Texts, given
 from .outputs import check_outputs
-from .progress import status
 from .refusals import refuse
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from typing import Annotated
 from typer import Argument, Option
 
 from .inputs import load_estimate
+from .messages import progress_bar
 from .numbers import parse_roles
 from .options import AsJson, Figures, Report, Roles
 from .outputs import check_outputs, show_report
-from .progress import progress_bar
 
 
 def wear(

@@ -14,11 +14,13 @@ from exoid.errors import BadArgumentError
 from exoid.regression.every_row import each_row
 from exoid.regression.row_data import Rows
 from exoid.regression.rows import Prepared
-from exoid.signals import Preparation, Recording, ZeroPhase
+from exoid.signals import Preparation, Recording, ZeroPhase, without_torque_delay
 from exoid.signals.cutoff import white_noise
 from exoid.torques.contacts.elimination import eliminate
 
 from .data import EstimateData
+from .finding import Finding
+from .late_velocity import late_velocities
 
 
 class TorqueFilter(NamedTuple):
@@ -57,8 +59,10 @@ def to_predict(
     recordings: Recording | Iterable[Recording],
     actuators: Mapping[str, Drive | Coupling] | Actuators | None,
     cutoff: float | None,
-) -> tuple[EstimateData, list[Recording], TorqueFilter]:
-    """Check the recordings whose torques an estimate shall predict, give it their drives, and choose the filter."""
+) -> tuple[EstimateData, list[tuple[Recording, list[Finding]]], TorqueFilter]:
+    """Give an estimate the drives of recordings, bring these into the state of its training, and choose the filter."""
+    # Torques are computed by the drives and shifted by the delays of the training, and late velocities are left out:
+    # findings of each recording say so.
     several = [recordings] if isinstance(recordings, Recording) else list(recordings)
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:
@@ -66,12 +70,24 @@ def to_predict(
         raise BadArgumentError(what, remedy='pass at least one, such as Recording.from_csv("log.csv")')
     if actuators is not None:
         estimate = replace(estimate, actuators=Actuators.of(estimate.model.leg, actuators))
+    late = {joint: delay for joint, delay in enumerate(estimate.torque_delays.tolist()) if delay}
+    ready = []
+    for recording in several:
+        read = recording if estimate.actuators is None else estimate.actuators.torque(recording)
+        read = without_torque_delay(estimate.model.select(read), late) if late else read
+        found, remedy = list[Finding](), "correct the time stamps of both logs, and identify without delay"
+        for joint, delay in late.items():
+            name = estimate.joint_names[joint]
+            message = f"the torque of {name} was shifted by {1e3 * delay:.3g} ms, the delay of the training"
+            found.append(Finding("torque-delay", name, delay, "s", "info", message, remedy))
+        velocities = list(late_velocities(read))
+        ready.append((replace(read, v=None, a=None) if velocities else read, [*found, *velocities]))
     own = estimate.preparation
     where = f", {estimate.evidence.cutoff_source}" if estimate.evidence.cutoff_source else ""
     chosen = f"{own.cutoff:.4g} Hz{where}" if isinstance(own, ZeroPhase) else ""
     if cutoff is None:
-        return estimate, several, TorqueFilter(own, "of the estimate", chosen)
-    return estimate, several, TorqueFilter(ZeroPhase(cutoff), "given", chosen, isinstance(own, ZeroPhase))
+        return estimate, ready, TorqueFilter(own, "of the estimate", chosen)
+    return estimate, ready, TorqueFilter(ZeroPhase(cutoff), "given", chosen, isinstance(own, ZeroPhase))
 
 
 class Compared(NamedTuple):

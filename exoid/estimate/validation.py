@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -24,7 +24,6 @@ from .evidence import MotionRanges
 from .finding import Finding, Verdict, ordered, verdict_line, verdict_of
 from .ground_validation import compare_on_ground
 from .validation_checks import (
-    as_trained,
     extrapolations,
     late_torques,
     narrow_bands,
@@ -215,7 +214,7 @@ def validate(
         'predicts'
     """
     estimate, several, chosen = to_predict(estimate, recordings, actuators, cutoff)
-    parts = tuple(_validate_one(estimate, each, chosen) for each in several)
+    parts = tuple(_validate_one(estimate, *each, chosen) for each in several)
     if len(parts) == 1:
         return parts[0]
     names = "time", "measured", "predicted", "half_width", "wrench_torque"
@@ -225,9 +224,10 @@ def validate(
     return replace(parts[0], **whole, source=source, parts=parts, findings=findings)
 
 
-def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFilter) -> Validation:
-    """Predict the torque of one recording, block by block."""
-    recording, found = as_trained(estimate, recording)
+def _validate_one(
+    estimate: EstimateData, recording: Recording, found: Sequence[Finding], chosen: TorqueFilter
+) -> Validation:
+    """Predict the torque of one recording, in which something was found already."""
     data, preparation = estimate.model.select(recording), chosen.preparation
     rate, ranges = data.sample_rate, None
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
@@ -246,8 +246,8 @@ def _validate_one(estimate: EstimateData, recording: Recording, chosen: TorqueFi
         "wrench_torque": known if recording.wrenches else np.zeros_like(known),
     }
     alone = Validation(estimate.joint_names, time, measured, predicted, data.file_name or "array", **how)
-    found += _findings(estimate, alone, data, ranges, bandwidth)
-    return replace(alone, findings=ordered([replace(one, recording=data.file_name) for one in found]))
+    every = (*found, *_findings(estimate, alone, data, ranges, bandwidth))
+    return replace(alone, findings=ordered([replace(one, recording=data.file_name) for one in every]))
 
 
 def _findings(

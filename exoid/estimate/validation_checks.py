@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import BoolArray, FloatArray
-from exoid.signals import Recording, without_torque_delay
 
 from .data import EstimateData
 from .evidence import MotionRanges
 from .finding import Finding, Severity
-from .late_velocity import late_velocities
 
 BEYOND, ANGLE = 1.3, 0.2  # speeds and accelerations over the training's, and angles beyond its range, in parts of that
 POOR, USELESS = 0.5, 1.0  # NRMSE beyond which a prediction is poor, and worse than a constant torque
@@ -22,21 +19,6 @@ GROWN, NEGLIGIBLE = 2.0, 0.02  # a residual over the training's is large, unless
 NARROW, SIGNIFICANT = 0.85, 1e-3  # share inside a 95 % band that is too narrow, where chance is less probable than this
 WIDE = 0.75  # RMS half width of a band, in standard deviations of the torque, that is too wide to mean something
 LATE = 0.5  # correlation of the residual with the time derivative of a torque that is late
-
-
-def as_trained(estimate: EstimateData, recording: Recording) -> tuple[Recording, list[Finding]]:
-    """Compute torques by the drives of the training, take its delays out, leave late velocities out, and say so."""
-    if estimate.actuators is not None:
-        recording = estimate.actuators.torque(recording)
-    late = {joint: delay for joint, delay in enumerate(estimate.torque_delays.tolist()) if delay}
-    recording = without_torque_delay(estimate.model.select(recording), late) if late else recording
-    found, remedy = list[Finding](), "correct the time stamps of both logs, and identify without delay"
-    for joint, delay in late.items():
-        name = estimate.joint_names[joint]
-        message = f"the torque of {name} was shifted by {1e3 * delay:.3g} ms, the delay of the training"
-        found.append(Finding("torque-delay", name, delay, "s", "info", message, remedy))
-    wrong = list(late_velocities(recording))
-    return (replace(recording, v=None, a=None) if wrong else recording), [*found, *wrong]
 
 
 def extrapolations(estimate: EstimateData, ranges: MotionRanges) -> Iterator[Finding]:

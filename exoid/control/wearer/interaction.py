@@ -16,7 +16,6 @@ from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.compared import to_predict
 from exoid.estimate.finding import Finding, ordered
 from exoid.estimate.validation_checks import (
-    as_trained,
     effective_share,
     extrapolations,
     unmeasured_torques,
@@ -30,7 +29,7 @@ from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table
 
 from .action import LEVEL, Evidence, JointAction, constant_torques, explanations, judge, rough_estimate, too_few_samples
-from .evaluation import Evaluation, evaluate
+from .evaluation import evaluate
 from .gait import GaitProfile, find_phase, profile
 
 HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
@@ -260,8 +259,7 @@ def interaction(
         >>> found.worn
         False
     """
-    estimate, (recording,), chosen = to_predict(estimate, [recording], actuators, cutoff)
-    recording, changed = as_trained(estimate, recording)
+    estimate, ((recording, changed),), chosen = to_predict(estimate, [recording], actuators, cutoff)
     recording = estimate.model.select(recording)
     name, measured = recording.file_name, recording.measured
     even, preparation = recording.resampled(), chosen.preparation
@@ -271,7 +269,17 @@ def interaction(
     found = evaluate(estimate, recording, preparation, bandwidth)
     used = np.clip(np.searchsorted(even.time, found.time - 0.5 / rate), 0, len(even) - 1)
     torque = np.where(measured, found.torque, np.nan)
-    evidence = _evidence(estimate, found, torque, fraction)
+    joints = range(len(estimate.joint_names))
+    effective = len(found.time) * fraction * np.array([effective_share(estimate, joint) for joint in joints])
+    behind = [noise.effective_samples for noise in estimate.noise] or [estimate.dof] * len(joints)
+    evidence = Evidence(  # joints without torque in the training are not tested
+        np.where(estimate.trained, torque.var(axis=0), np.nan),
+        torque.mean(axis=0),
+        np.where(estimate.trained, found.noise, 0.0),
+        np.maximum(found.variance.mean(axis=0) - found.noise, 0.0),
+        effective,
+        np.maximum(behind, 1.0),
+    )
     actions = judge(evidence)
     phase = find_phase(even, strides)
     findings = [
@@ -298,14 +306,3 @@ def interaction(
         findings=ordered([replace(one, recording=name) for one in findings]),
         filter=chosen,
     )
-
-
-def _evidence(estimate: EstimateData, found: Evaluation, torque: FloatArray, fraction: float) -> Evidence:
-    """Sum up a recording for the test; joints without torque in the training are not tested."""
-    joints = range(len(estimate.joint_names))
-    effective = len(found.time) * fraction * np.array([effective_share(estimate, joint) for joint in joints])
-    behind = [noise.effective_samples for noise in estimate.noise] or [estimate.dof] * len(joints)
-    systematic = np.maximum(found.variance.mean(axis=0) - found.noise, 0.0)
-    power = np.where(estimate.trained, torque.var(axis=0), np.nan)
-    noise = np.where(estimate.trained, found.noise, 0.0)
-    return Evidence(power, torque.mean(axis=0), noise, systematic, effective, np.maximum(behind, 1.0))
