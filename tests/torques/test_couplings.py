@@ -24,12 +24,6 @@ VALUES = {
 INDEX = {"hip": 0, "knee": 1, "ankle": 2}
 
 
-def columns(term, q, v, a) -> np.ndarray:
-    """Columns of one term at all joints of BLEEX, (N, 3, symbols)."""
-    model = TorqueModel(LEG, (term,))
-    return model.regressor(q, v, a)[:, :, len(LEG.parameters) :]
-
-
 def coordinate(term, x) -> np.ndarray:
     """Σ r_j x_j, (N,)."""
     return x[:, [INDEX[joint] for joint in term.joints]] @ np.array(term.ratios)
@@ -50,12 +44,11 @@ def torque_of(values, q, v, a) -> np.ndarray:
     return tau
 
 
-def swing_with_couplings(seed=1, noise=0.02, **changes) -> exoid.Recording:
+def swing_with_couplings(seed=1, values=VALUES) -> exoid.Recording:
     swing = Swing(LEG, seed=seed)
-    q, v, a = swing.motion
-    tau = swing.torque + torque_of(VALUES, q, v, a)
-    rng = np.random.default_rng(seed)
-    return swing.recording(tau=tau + rng.normal(scale=noise, size=q.shape), v=None, a=None, **changes)
+    tau = swing.torque + torque_of(values, *swing.motion)
+    noise = np.random.default_rng(seed).normal(scale=0.02, size=tau.shape)
+    return swing.recording(tau=tau + noise, v=None, a=None)
 
 
 TERMS = (Coulomb(), Viscous(), *ALL)
@@ -102,17 +95,11 @@ def test_one_joint_with_torque_is_enough_and_none_is_refused():
         identify(LEG, exoid.Recording(log.time, log.q, tau=none, joint_names=LEG.joint_names), (SPRING,))
 
 
-def swing_with_spring(seed=1):
-    swing = Swing(LEG, seed=seed)
-    tau = swing.torque + columns(SPRING, *swing.motion) @ np.array([12.0, 1.5])
-    noise = np.random.default_rng(seed).normal(scale=0.02, size=tau.shape)
-    return swing.recording(tau=tau + noise, v=None, a=None)
-
-
 @pytest.mark.nightly
 def test_the_friction_of_each_joint_is_chosen_beside_a_spring_over_two_joints():
-    found = select_terms(LEG, swing_with_spring(), folds=3, beside=(SPRING,))
-    estimate = found.identify(swing_with_spring())
+    log = swing_with_couplings(1, {**VALUES, "c0_knee_hip": 0.0, "d_knee_hip": 0.0, "Ia_hip_knee_ankle": 0.0})
+    found = select_terms(LEG, log, folds=3, beside=(SPRING,))
+    estimate = found.identify(log)
     assert estimate.value("k_hip_knee") == pytest.approx(12.0, rel=0.02)
     assert all("c0" in one.coefficients for one in found.joints)
     assert (found.candidate.nrmse < 0.03).all()
