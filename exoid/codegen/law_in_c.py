@@ -14,8 +14,8 @@ from exoid.leg.leg import Leg
 
 from .dialect import Dialect
 
-Needed = Literal["gravity", "springs", "friction", "inverse_dynamics", "rigid_bodies", "mass_matrix", "rotor"]
-"""Functions of the leg that a law may call, and the table of its rotors; see :class:`LegInC`."""
+Needed = Literal["gravity", "springs", "friction", "inverse_dynamics", "rigid_bodies", "mass_matrix", "bodies"]
+"""Functions of the leg that a law may call; "bodies" are its pose, its recursion and the table of its rotors."""
 
 
 class InputInC(NamedTuple):
@@ -65,7 +65,7 @@ class LegInC(NamedTuple):
     springs: tuple[str, ...]  # torque of springs and offsets at each joint, as an expression in q[j], n of them
     friction: tuple[str, ...]  # torque of friction at each joint, as an expression in v[j], n of them
     rotor: tuple[str, ...]  # inertia that is not part of the bodies at each joint, as a constant expression, n of them
-    needed: tuple[Needed, ...]  # functions that the law calls, and "rotor" if it uses the table
+    needed: tuple[Needed, ...]  # functions that the law calls
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +77,9 @@ class LawInC:
     Available names are ``p`` (prefix), ``N`` (number of joints), ``real`` (type), ``number(x)``, ``function("sin")``
     and ``rate`` [Hz]. The functions of the leg are ``{{p}}_gravity(q, tau)``, ``{{p}}_springs(q, tau)``,
     ``{{p}}_friction(v, tau)``, ``{{p}}_inverse_dynamics(q, v, a, tau)`` (all but friction),
-    ``{{p}}_rigid_bodies(q, v, a, tau)`` and ``{{p}}_mass_matrix(q, M)``. A law with ``gravity`` may also call
-    ``{{p}}_at(q, &pose)`` and ``{{p}}_newton_euler(&pose, v, a, weight, tau)``: bodies under ``weight`` times gravity.
+    ``{{p}}_rigid_bodies(q, v, a, tau)`` and ``{{p}}_mass_matrix(q, M)``. ``bodies`` are the
+    pose ``{{p}}_at(q, &pose)``, the torque ``{{p}}_newton_euler(&pose, v, a, weight, tau)`` under ``weight`` times
+    gravity, and the table ``{{p}}_rotor``.
 
     Attributes:
         joints: Names of the joints, n of them.

@@ -100,12 +100,11 @@ def _model(law: LawInC, safety: Safety, dialect: Dialect) -> dict[str, Any]:
     if safety.safe == "gravity":
         needed |= {"gravity", "springs"}
     if "inverse_dynamics" in needed:
-        needed |= {"springs", "rigid_bodies", "rotor"}
-    if "mass_matrix" in needed:
-        needed |= {"rotor"}
-    if law.leg is None or not needed & {"gravity", "rigid_bodies", "mass_matrix"}:
+        needed |= {"springs", "rigid_bodies"}
+    with_rotors = needed & {"bodies", "inverse_dynamics", "mass_matrix"}
+    if law.leg is None or not (with_rotors or needed & {"gravity", "rigid_bodies"}):
         return {"needed": needed, "rigid": False, "tree": None, "tables": ()}
-    leg, rotor = law.leg.leg, law.leg.rotor if "rotor" in needed else ()
+    leg, rotor = law.leg.leg, law.leg.rotor if with_rotors else ()
     known = dict(zip(leg.parameter_names, leg.parameters.tolist(), strict=True))
     return {
         "needed": needed,

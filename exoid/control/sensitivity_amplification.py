@@ -158,7 +158,7 @@ class SensitivityAmplification:
             equation="tau = G(q) + springs(q) + (1 - 1/alpha) (M a + C v{friction}) at filtered angles, velocities and "
             "accelerations",
             step=step_of("sensitivity_amplification"),
-            calls=("gravity", "springs", "rotor"),
+            calls=("gravity", "springs", "bodies"),
             tables={
                 "share": (share, "1 - 1/alpha"),
                 "filter_delay": (one.delay, "delay 2/lambda of the motion filter [s]"),

@@ -44,7 +44,7 @@ def observer_in_c(
         equation="torque of the wearer = K (p - integral of (tau_m + C'v - G(q) - springs(q) - F(v) + torque of the "
         "wearer)), p = M(q) v",
         step=step_of("observer"),
-        calls=("gravity", "springs", "mass_matrix"),
+        calls=("springs", "bodies"),
         inputs=(InputInC("tau_m", "measured torques of the actuators [N m]", "reading"),),
         tables=tables,
         memory={
