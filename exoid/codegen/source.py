@@ -53,7 +53,7 @@ class CSource:
     @property
     def sha256(self) -> str:
         """Hash of the C."""
-        return _hash(self.text)
+        return hashlib.sha256(self.text.encode()).hexdigest()
 
     def to_json(self) -> dict[str, Any]:
         """Describe the files as JSON data.
@@ -61,7 +61,7 @@ class CSource:
         Returns:
             Names, hashes, precision, functions, joints, warnings, and the values of a leg or the settings of a law.
         """
-        hashes = {name: _hash(text) for name, text in self.files.items()}
+        hashes = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in self.files.items()}
         name = next(iter(hashes))
         files = {"c": {"name": name, "sha256": hashes[name]}} if len(hashes) == 1 else {"files": hashes}
         return {**self.facts, **files, "warnings": list(self.warnings)}
@@ -77,7 +77,3 @@ class CSource:
         if len(others) == 1:
             where += f" and {Path(where).with_name(others[0])}"
         return to_text(f"{where}: {self.summary[0]}", *self.summary[1:], *(f"warning: {x}" for x in self.warnings))
-
-
-def _hash(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()

@@ -26,7 +26,8 @@ def write_folder(folder: str | os.PathLike[str], files: Mapping[str, str]) -> No
     part, before = (target.with_name(f".{target.name[:40]}.{mark}.{ending}") for ending in ("part", "before"))
     try:
         with writing(folder):
-            manifest = json.dumps({name: _hash(text.encode()) for name, text in sorted(files.items())}, indent=1)
+            hashes = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())}
+            manifest = json.dumps(hashes, indent=1)
             for name, text in {**files, MANIFEST: f"{manifest}\n"}.items():
                 (part / name).parent.mkdir(parents=True, exist_ok=True)
                 (part / name).write_text(text, encoding="utf-8", newline="\n")
@@ -55,9 +56,8 @@ def refuse_foreign(folder: str | os.PathLike[str]) -> None:
     # a link counts as a file, also one to a folder
     paths = [path for path in target.rglob("*") if path.is_symlink() or not path.is_dir()]
     found, known = [path.relative_to(target).as_posix() for path in paths], _manifest(target)
-    others = sorted(
-        name for name in found if name != MANIFEST and known.get(name) != _hash((target / name).read_bytes())
-    )
+    hashes = {name: hashlib.sha256((target / name).read_bytes()).hexdigest() for name in found if name != MANIFEST}
+    others = sorted(name for name, sha256 in hashes.items() if known.get(name) != sha256)
     if MANIFEST in found and not known:
         others.append(MANIFEST)
     if others:
@@ -76,7 +76,3 @@ def _manifest(folder: Path) -> dict[str, str]:
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
-
-
-def _hash(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
