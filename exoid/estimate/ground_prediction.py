@@ -15,7 +15,7 @@ from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import lowest_point
-from exoid.leg.torso import MovingBase
+from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
 from exoid.signals import Recording, Wrench
@@ -173,17 +173,17 @@ def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Gene
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> tuple[FloatArray, FloatArray]:
     """Solve J_cᵀ w = W β − [0; τ] at each sample of a stretch, in level axes: w of all feet and its std, (N, 6 m)."""
-    model, leg, recording = estimate.model, estimate.model.leg, stretch.recording
+    # At samples that the ends of a log affect, nothing is known of w.
+    leg, recording = estimate.model.leg, stretch.recording
     assert recording.tau is not None
     assert recording.mask is not None
-    rows = np.flatnonzero(recording.mask)
-    q, v, a, _ = estimate.preparation.kinematics(recording)
-    motion = model.motion(q, v, a, base_during(recording, estimate.preparation))
-    known = model.row_torque(recording.tau, motion, recording.wrenches)
-    wide = np.concatenate([model.columns(motion), known.T[np.newaxis]])
-    wide = _filtered(estimate, recording, wide)[..., rows]
-    W, base = wide[:-1].transpose(2, 1, 0), motion.rows(rows).torso
-    jacobian = np.concatenate([_level_jacobian(leg, q[rows], link, base) for link in feet], axis=1)
+    rows, base = (
+        make_rows(estimate.model, recording, estimate.preparation),
+        base_during(recording, estimate.preparation),
+    )
+    at, W = np.searchsorted(recording.time, rows.time), rows.W
+    q, base = rows.q[:, leg.base_rows :], base.rows(at) if isinstance(base, BaseKinematics) else None
+    jacobian = np.concatenate([_level_jacobian(leg, q, link, base) for link in feet], axis=1)
     # Weights are those of the errors of each row. Torques may be noisier than in the training, as larger ones are.
     white = estimate.preparation.independent_fraction(recording.sample_rate) * white_noise(recording.tau) ** 2
     noise = np.append(np.zeros(leg.base_rows), np.maximum(estimate.residual_rms**2, white))
@@ -194,8 +194,10 @@ def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> 
     seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
     # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
     whole = np.concatenate([_borne(leg, link).diagonal() for link in feet])
-    std = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
-    return np.einsum("ncr,nr->nc", inverse, W @ estimate.values - wide[-1].T), std
+    found, std = np.zeros((len(recording), len(whole))), np.full((len(recording), len(whole)), np.inf)
+    found[at] = np.einsum("ncr,nr->nc", inverse, W @ estimate.values - rows.tau)
+    std[at] = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
+    return found[recording.mask], std[recording.mask]
 
 
 def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray) -> FloatArray:
@@ -209,9 +211,9 @@ def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray)
     return filtered.reshape(signals.shape)
 
 
-def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: MovingBase | None) -> FloatArray:
+def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: BaseKinematics | None) -> FloatArray:
     """Jacobian of a link with its rows in level axes, (N, 6, R), without what its contact does not bear."""
-    point = lowest_point(leg, q, link, base.up if isinstance(base, BaseKinematics) else None)
+    point = lowest_point(leg, q, link, None if base is None else base.up)
     jacobian = leg.frame_jacobian(q, link, point)
     turned = level_axes(leg, q, link)[:, np.newaxis] @ jacobian.reshape(len(q), 2, 3, -1)
     return np.asarray(_borne(leg, link) @ turned.reshape(jacobian.shape))

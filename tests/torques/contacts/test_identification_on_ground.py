@@ -82,9 +82,12 @@ def test_measured_wrenches_fix_the_mass_and_disturb_nothing_else(exo, stance, es
     assert wider.max() < 1.3
 
 
-@pytest.mark.parametrize("feet", ["both", "left"])
-def test_ground_force_and_centre_of_pressure_follow_from_torques(exo, estimate, feet):
-    log = standing(exo, feet, seconds=12.0, seed=99, noise=NOISE, encoder=ENCODER, friction=friction)
+CARRIED = {"payloads": (exoid.Payload("torso", 8.0, (0.05, 0.1, 0.3)),)}
+
+
+@pytest.mark.parametrize(("feet", "options"), [("both", {}), ("left", {}), ("both", CARRIED)])
+def test_ground_force_and_centre_of_pressure_follow_from_torques(exo, estimate, feet, options):
+    log = standing(exo, feet, seconds=12.0, seed=99, noise=NOISE, encoder=ENCODER, friction=friction, **options)
     for link, found in exoid.ground_forces(estimate, log.recording).items():
         true = level_wrench(exo, log.recording.q, link, log.wrenches[link])
         rows = np.searchsorted(log.recording.time, found.time)[50:-50]
@@ -481,8 +484,7 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
 
 @pytest.mark.slow
 def test_a_known_payload_is_no_part_of_the_machine(exo):
-    load = exoid.Payload("torso", 8.0, (0.05, 0.1, 0.3))
-    options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5, "payloads": (load,)}
+    options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5} | CARRIED
     each = [standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left"))]
     found = identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], ())
     assert abs(found["M"].value - exo.parameters[0]) < 0.05
