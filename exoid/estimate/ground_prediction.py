@@ -173,19 +173,16 @@ def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Gene
 
 def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> tuple[FloatArray, FloatArray]:
     """Solve J_cᵀ w = W β − [0; τ] at each sample of a stretch, in level axes: w of all feet and its std, (N, 6 m)."""
-    # At samples that the ends of a log affect, nothing is known of w.
-    leg, recording = estimate.model.leg, stretch.recording
-    assert recording.tau is not None
+    leg, recording, preparation = estimate.model.leg, stretch.recording, estimate.preparation
     assert recording.mask is not None
-    rows, base = (
-        make_rows(estimate.model, recording, estimate.preparation),
-        base_during(recording, estimate.preparation),
-    )
+    rows, base = make_rows(estimate.model, recording, preparation), base_during(recording, preparation)
     at, W = np.searchsorted(recording.time, rows.time), rows.W
     q, base = rows.q[:, leg.base_rows :], base.rows(at) if isinstance(base, BaseKinematics) else None
     jacobian = np.concatenate([_level_jacobian(leg, q, link, base) for link in feet], axis=1)
     # Weights are those of the errors of each row. Torques may be noisier than in the training, as larger ones are.
-    white = estimate.preparation.independent_fraction(recording.sample_rate) * white_noise(recording.tau) ** 2
+    white = (
+        estimate.preparation.independent_fraction(recording.sample_rate) * white_noise(np.asarray(recording.tau)) ** 2
+    )
     noise = np.append(np.zeros(leg.base_rows), np.maximum(estimate.residual_rms**2, white))
     doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
     size = np.maximum(np.sqrt(noise + doubt), np.finfo(np.float64).eps)  # a log without noise has rows without error
@@ -194,6 +191,7 @@ def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> 
     seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
     # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
     whole = np.concatenate([_borne(leg, link).diagonal() for link in feet])
+    # the ends of a log affect other samples: nothing is known of w there
     found, std = np.zeros((len(recording), len(whole))), np.full((len(recording), len(whole)), np.inf)
     found[at] = np.einsum("ncr,nr->nc", inverse, W @ estimate.values - rows.tau)
     std[at] = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
