@@ -9,7 +9,7 @@ import scipy  # its parts load when they are first used
 
 from exoid.errors import BadArgumentError
 from exoid.rig import Reference, Target
-from exoid.signals import Recording, choose_cutoff
+from exoid.signals import Recording, choose_preparation
 
 DEGREE = 5
 """Degree of the polynomials, whose accelerations are smooth."""
@@ -42,8 +42,8 @@ class FollowedLog(Reference):
 def follow_log(recording: Recording) -> FollowedLog:
     """Fit a spline to the angles of a log by least squares.
 
-    The knots lie so close that the spline follows all frequencies below the cut-off of :func:`.choose_cutoff`, and so
-    far apart that it leaves out the noise above.
+    The knots lie so close that the spline follows all frequencies below the cut-off of
+    :func:`.choose_preparation`, and so far apart that it leaves out the noise above.
 
     Args:
         recording: The log.
@@ -62,7 +62,7 @@ def follow_log(recording: Recording) -> FollowedLog:
     """
     even = recording.resampled()
     # six knots in a period of the highest frequency that is kept, and 2.5 samples between two knots at least
-    spacing = max(1.0 / (6.0 * choose_cutoff([even])), 2.5 / even.sample_rate)
+    spacing = max(1.0 / (6.0 * choose_preparation([even]).cutoff), 2.5 / even.sample_rate)
     count = int(even.duration / spacing)
     if count < 1 or len(even) < count + DEGREE + 1:
         raise BadArgumentError(

@@ -15,7 +15,7 @@ from exoid.estimate.late_velocity import late_velocities
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
-from exoid.signals.cutoff import cutoff_from
+from exoid.signals.cutoff import preparation_from
 from exoid.signals.preparation import preparation_from_json
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import terms_of
@@ -115,8 +115,8 @@ def gather(
     groups = []
     for group in problem.groups:
         with within(group.name):
-            powers = [one.acceleration_power for one in group.summaries if one.acceleration_power]
-            chosen = preparation or ZeroPhase(cutoff_from(powers) if cutoff is None else cutoff)
+            powers = [one.motion_power for one in group.summaries if one.motion_power]
+            chosen = preparation or (preparation_from(powers) if cutoff is None else ZeroPhase(cutoff))
             refuse_dead_torques(group.model, group.summaries)
         without = unmeasured_joints(group.model.leg.joint_names, group.summaries)
         groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=1.0 / len(problem.groups)))

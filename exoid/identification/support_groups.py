@@ -14,7 +14,7 @@ from exoid.errors import NotSupportedError, UnreadableInputError
 from exoid.estimate.finding import Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Preparation, Recording, choose_preparation
 from exoid.torques.contacts import Split, refuse_dead_switches, split
 from exoid.torques.contacts.imu import ROCKS, beside
 from exoid.torques.contacts.stretches import EDGE
@@ -58,7 +58,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy)
     refuse_dead_switches(model.leg, data)
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
-    smears = ZeroPhase(choose_cutoff(data)) if by_noise else group.preparation
+    smears = choose_preparation(data) if by_noise else group.preparation
     every, of_session = _split_session(model.leg, data, smears)
     findings += of_session
     for one, parts in zip(data, every, strict=True):
@@ -77,13 +77,12 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
             what = f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all"
             remedy = f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)"
             raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy, joints=tuple(missing))
-        cutoff = choose_cutoff(data, base_rows=plates or not links) if by_noise else None
         groups.append(
             replace(
                 group,
                 model=support,
                 data=tuple(data),
-                preparation=group.preparation if cutoff is None else ZeroPhase(cutoff),
+                preparation=choose_preparation(data, base_rows=plates or not links) if by_noise else group.preparation,
                 links=" and ".join(links) + (" on plates" if plates else "") or MEASURED,
                 findings=() if groups else tuple(findings),
             )

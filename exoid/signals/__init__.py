@@ -6,7 +6,7 @@ from .base_pose import BasePose, turn_upright
 from .column import Column
 from .contacts import contacts_from_wrench
 from .contacts_from_motion import contacts_from_motion
-from .cutoff import choose_cutoff
+from .cutoff import choose_preparation
 from .differentiation import Kinematics, motion_edge
 from .filters.low_pass import zero_phase
 from .filters.parallel import ParallelFilter
@@ -42,7 +42,7 @@ __all__ = [
     "Wrench",
     "WrenchFrame",
     "ZeroPhase",
-    "choose_cutoff",
+    "choose_preparation",
     "contacts_from_motion",
     "contacts_from_wrench",
     "datasets",

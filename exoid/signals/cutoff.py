@@ -1,4 +1,4 @@
-"""Cut-off frequency of the zero-phase preparation by the noise of the angles, and the size of noise."""
+"""Cut-off frequencies of the zero-phase preparation by the noise of the angles, and the size of noise."""
 
 from __future__ import annotations
 
@@ -42,18 +42,22 @@ def noisier_base(base: BaseMotion, rng: np.random.Generator, sign: float = 1.0) 
 CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
 
+BANDS = np.append(0.0, 2.0 ** np.arange(1.0, 8.01, 0.25))
+"""Edges of the bands in which fast motion is compared with noise [Hz]."""
 
-class AccelerationPower(NamedTuple):
-    """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
+
+class MotionPower(NamedTuple):
+    """Powers of the acceleration below each of :data:`CUTOFFS`, and of the velocity in :data:`BANDS`."""
 
     noise: FloatArray  # power due to noise of the angles, of place and turn of a base by its pose, and of its gyroscope
     total: FloatArray  # power of the recorded angles, as many columns
+    fast: FloatArray  # noise, and recorded, in each band and joint, (2, 29, n)
     samples: int  # number of samples
     rate: float  # sampling rate [Hz]
 
 
-def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = False) -> float:
-    """Choose the highest cut-off frequency at which derived accelerations have little noise.
+def choose_preparation(recordings: Iterable[Recording | Poses], *, base_rows: bool = False) -> ZeroPhase:
+    """Choose the cut-off frequencies by the noise of the angles: accelerations have little of it, motion is not lost.
 
     White noise of power density N in an angle gives ω⁴ N in the acceleration. N is the median of the periodogram P of
     the angle in its upper band, over ln 2. For each joint, noise and signal below the cut-off f are compared over all
@@ -66,66 +70,87 @@ def choose_cutoff(recordings: Iterable[Recording | Poses], *, base_rows: bool = 
     until the ends of the filters leave half of the samples. Recorded accelerations have no such noise. Where the base
     moves, noise and signal of its angular acceleration are added to those of each joint.
 
+    Angles pass up to 2 f. Touch-downs shake a leg faster, and what is lost of its velocity turns Coulomb friction round.
+    Where a recording has contacts, and a joint has more than a fiftieth of its velocity (RMS) beyond 2 f, angles pass
+    up to where motion meets noise.
+
     Args:
         recordings: Recordings to identify from, all of the same joints. Poses are ignored.
         base_rows: Whether rows of the base are identified from.
 
     Returns:
-        Cut-off frequency [Hz].
+        The preparation.
 
     Raises:
         ExoidError: Time has a gap.
     """
-    powers = (acceleration_power(recording, base_rows=base_rows) for recording in recordings)
-    return cutoff_from([found for found in powers if found is not None])
+    powers = (motion_power(recording, base_rows=base_rows) for recording in recordings)
+    return preparation_from([found for found in powers if found is not None])
 
 
-def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False) -> AccelerationPower | None:
-    """Compute noise and signal power of the acceleration of a recording."""
+def motion_power(recording: Recording | Poses, *, base_rows: bool = False) -> MotionPower | None:
+    """Compute noise and signal power of the motion of a recording."""
     if isinstance(recording, Poses):
         return None
     even, rate = recording.resampled(), recording.resampled().sample_rate
     if recording.a is not None:
-        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + 3))
-        return AccelerationPower(nothing, nothing, len(even), rate)
-    power, of_base = _power(even.q.T, rate), np.zeros((2, len(CUTOFFS), 3))  # place and turn by its pose, turn by gyro
+        joints = len(recording.joint_names)
+        nothing = np.zeros((len(CUTOFFS), joints + 3))
+        return MotionPower(nothing, nothing, np.zeros((2, len(BANDS) - 1, joints)), len(even), rate)
+    (power, fast), of_base = (
+        _power(even.q.T, rate),
+        np.zeros((2, len(CUTOFFS), 3)),
+    )  # place and turn by its pose, turn by gyro
+    if not any(contact.any() for contact in even.contacts.values()):
+        fast[:] = 0.0  # where nothing touches down, noise and ripple look like it and would pass
     if even.base is not None and even.base.pose is not None:
-        of_pose = _power(even.base.pose.columns.T, rate)
+        of_pose, _ = _power(even.base.pose.columns.T, rate)
         of_base[..., 0], of_base[..., 1] = of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)
         if base_rows or recording.contacts:
             # A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do
             # not share is left for an inertia of the torso, which the noise would attenuate by 0.3 % without this.
             power[0], of_base[0] = 16.0 * power[0], 16.0 * of_base[0]
     elif even.base is not None:
-        turning = _power(even.base.angular_velocity.T, rate, derivatives=1)
+        turning, _ = _power(even.base.angular_velocity.T, rate, derivatives=1)
         turning = turning[..., [int(np.argmax(turning[1, -1]))]]  # about the axis that turns most
         power, of_base[..., 2:] = power + turning, turning if base_rows else 0.0
     noise, total = np.concatenate([power, of_base], axis=2)
-    return AccelerationPower(noise, total, len(even), rate)
+    return MotionPower(noise, total, fast, len(even), rate)
 
 
-def cutoff_from(powers: Sequence[AccelerationPower]) -> float:
-    """Choose the cut-off frequency by the powers of each recording, see :func:`choose_cutoff`."""
+def preparation_from(powers: Sequence[MotionPower]) -> ZeroPhase:
+    """Choose the cut-off frequencies by the powers of each recording, see :func:`choose_preparation`."""
     if not powers:
-        return float(CUTOFFS[-1])
+        return ZeroPhase(float(CUTOFFS[-1]))
     noise, total = np.sum([each.noise for each in powers], axis=0), np.sum([each.total for each in powers], axis=0)
     ratio = noise / np.maximum(total, np.finfo(float).tiny)
     # Noise in a column attenuates its parameter by about the square of the ratio (RMS): 0.04 %
     allowed = ratio <= 0.02**2
     last = len(CUTOFFS) - 1 - np.argmax(allowed[::-1], axis=0)
     lowest = int(np.where(allowed.any(axis=0), last, np.argmin(ratio, axis=0)).min())
-    # both filters have their usual ratio
-    highest = min(float(CUTOFFS[-1]), LARGEST_RATIO / KINEMATICS_MULTIPLE * min(each.rate for each in powers))
-    for cutoff in CUTOFFS[lowest:][CUTOFFS[lowest:] < highest].tolist():
-        # the ends of the filters leave half of each recording
-        if all(4 * ZeroPhase(cutoff).edge(each.rate) <= each.samples for each in powers):
-            return float(cutoff)
-    return highest
+    rate = min(each.rate for each in powers)
+    highest = min(float(CUTOFFS[-1]), LARGEST_RATIO / KINEMATICS_MULTIPLE * rate)  # both filters have their usual ratio
+    # the ends of the filters leave half of each recording
+    above = CUTOFFS[lowest:][CUTOFFS[lowest:] < highest].tolist()
+    fits = (f for f in above if all(4 * ZeroPhase(f).edge(each.rate) <= each.samples for each in powers))
+    cutoff = next(fits, highest)
+    return ZeroPhase(cutoff, _fast_cutoff(powers, KINEMATICS_MULTIPLE * cutoff, LARGEST_RATIO * rate))
 
 
-def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> FloatArray:
-    """Powers of noise and of signal in the derivative of signals (n, N), (2, 71, n)."""
-    powers = np.zeros((2, len(CUTOFFS), len(signals)))
+def _fast_cutoff(powers: Sequence[MotionPower], usual: float, highest: float) -> float | None:
+    """Find where motion meets noise, if that is beyond the usual cut-off of the angles and much is lost there."""
+    noise, total = np.sum([each.fast for each in powers], axis=0)
+    beyond = np.searchsorted(BANDS, usual)
+    stands_out = np.logical_and.accumulate(total[beyond:] > 2.0 * noise[beyond:], axis=0)
+    motion = np.maximum(total - noise, 0.0)
+    lost = (stands_out * motion[beyond:]).sum(axis=0) > 0.02**2 * motion.sum(axis=0)
+    bands = int((stands_out * lost).sum(axis=0).max())
+    return min(float(BANDS[beyond + bands]), highest) if bands else None
+
+
+def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> tuple[FloatArray, FloatArray]:
+    """Powers of noise and of signal in the derivative of signals (n, N), (2, 71, n), and in each band of the first."""
+    powers, fast = np.zeros((2, len(CUTOFFS), len(signals))), np.zeros((2, len(BANDS) - 1, len(signals)))
     for segment in np.array_split(signals, -(-signals.shape[1] // 2**16), axis=1):
         samples = segment.shape[1]
         t = np.linspace(-1.0, 1.0, samples)
@@ -136,9 +161,17 @@ def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> FloatArray
         power = (spectrum.real**2 + spectrum.imag**2) / samples
         frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
         noise = np.median(power[:, frequency >= 0.6 * frequency[-1]], axis=1) / np.log(2.0)  # above, noise only
-        below = np.searchsorted(frequency, CUTOFFS, side="right") - 1
-        slow = slice(0, below[-1] + 1)
-        weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
-        powers[0] += np.multiply.outer(np.cumsum(weight)[below], noise)
-        powers[1] += np.cumsum(weight * power[:, slow], axis=1)[:, below].T
-    return powers
+        powers += _below(CUTOFFS, frequency, power, noise, derivatives)
+        fast += np.diff(_below(BANDS, frequency, power, noise, 1), axis=1)
+    return powers, fast
+
+
+def _below(
+    edges: FloatArray, frequency: FloatArray, power: FloatArray, noise: FloatArray, derivatives: int
+) -> FloatArray:
+    """Powers of noise and of signal in a derivative below each of some frequencies, (2, F, n)."""
+    last = np.searchsorted(frequency, edges, side="right") - 1
+    slow = slice(0, last[-1] + 1)
+    weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
+    of_noise = np.multiply.outer(np.cumsum(weight)[last], noise)
+    return np.stack([of_noise, np.cumsum(weight * power[:, slow], axis=1)[:, last].T])

@@ -10,7 +10,7 @@ from walking import IMU, Walk
 
 import exoid
 from exoid import BaseMotion, ExoidError, Recording
-from exoid.signals import FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_cutoff
+from exoid.signals import FiniteDifference, MovingAverage, Smoothed, ZeroPhase, choose_preparation
 from exoid.signals.moving_base import base_during, vertical
 
 LEG = exoid.load_leg("cuhk")
@@ -129,8 +129,8 @@ def test_the_cut_off_falls_with_a_noisy_gyroscope():
     quiet = walk(seconds=30.0).recording()
     rng = np.random.default_rng(1)
     loud = with_base(quiet, gyro=quiet.base.angular_velocity + 0.2 * rng.standard_normal((len(quiet), 3)))
-    assert choose_cutoff([loud]) < choose_cutoff([quiet])
-    assert choose_cutoff([quiet]) == choose_cutoff([replace(quiet, base=None)])
+    assert choose_preparation([loud]).cutoff < choose_preparation([quiet]).cutoff
+    assert choose_preparation([quiet]) == choose_preparation([replace(quiet, base=None)])
 
 
 # --- Mistakes -------------------------------------------------------------------------------------------------------

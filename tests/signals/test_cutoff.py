@@ -8,7 +8,7 @@ import pytest
 from one_joint import write_urdf
 
 import exoid
-from exoid.signals import Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Recording, ZeroPhase, choose_preparation
 
 
 def log(noise=0.0, rate=500.0, seconds=20.0, seed=0, amplitude=0.4, joints=2):
@@ -34,20 +34,20 @@ def noise_of_acceleration(recording, cutoff, noise):
 
 
 def test_quiet_angles_get_the_highest():
-    assert choose_cutoff([log()]) == 8.0
-    assert choose_cutoff([log(1e-6)]) == 8.0
+    assert choose_preparation([log()]).cutoff == 8.0
+    assert choose_preparation([log(1e-6)]).cutoff == 8.0
 
 
 @pytest.mark.parametrize(("noise", "rate"), [(1e-3, 500.0), (1e-4, 50.0), (1e-3, 50.0)])
 def test_the_acceleration_of_the_rows_has_about_two_percent_of_noise(noise, rate):
-    cutoff = choose_cutoff([log(noise, rate)])
+    cutoff = choose_preparation([log(noise, rate)]).cutoff
     assert 1.0 < cutoff < 8.0
     share = noise_of_acceleration(lambda level: log(level, rate), cutoff, noise)
     assert 0.01 < share.max() < 0.03
 
 
 def test_ten_times_the_density_of_noise_lowers_it_by_the_fifth_root_of_ten():
-    fast, slow = (choose_cutoff([log(1e-3, rate)]) for rate in (500.0, 50.0))
+    fast, slow = (choose_preparation([log(1e-3, rate)]).cutoff for rate in (500.0, 50.0))
     assert fast / slow == pytest.approx(10.0**0.2, rel=0.1)
 
 
@@ -55,19 +55,21 @@ def test_a_joint_that_rests_in_one_of_several_recordings_does_not_count_there():
     """As in experiments that move one joint at a time."""
     whole = log(1e-4)
     first, second = (dataclasses.replace(whole, q=whole.q * mask + 1e-5) for mask in ([1.0, 1e-3], [1e-3, 1.0]))
-    assert choose_cutoff([first, second]) == pytest.approx(choose_cutoff([whole]), abs=1.5)
+    assert choose_preparation([first, second]).cutoff == pytest.approx(choose_preparation([whole]).cutoff, abs=1.5)
 
 
 def test_the_noisiest_joint_decides():
     loud, quiet = log(1e-3), log()
     q = np.column_stack([quiet.q[:, 0], loud.q[:, 1]])
-    assert choose_cutoff([dataclasses.replace(quiet, q=q)]) == pytest.approx(choose_cutoff([loud]), abs=0.3)
+    assert choose_preparation([dataclasses.replace(quiet, q=q)]).cutoff == pytest.approx(
+        choose_preparation([loud]).cutoff, abs=0.3
+    )
 
 
 def test_a_short_recording_keeps_half_of_its_samples():
     short = log(3e-3, 100.0, 3.0)
-    cutoff = choose_cutoff([short])
-    assert cutoff > choose_cutoff([log(3e-3, 100.0, 30.0)])
+    cutoff = choose_preparation([short]).cutoff
+    assert cutoff > choose_preparation([log(3e-3, 100.0, 30.0)]).cutoff
     assert 2 * ZeroPhase(cutoff).edge(100.0) <= 0.5 * len(short)
 
 
@@ -80,6 +82,6 @@ def test_a_slow_log_is_accepted_with_a_lower_cutoff(tmp_path, rate, recorded):
     if recorded:
         motion = ZeroPhase(cutoff=0.2 * rate).kinematics(log)
         log = dataclasses.replace(log, v=motion.v, a=motion.a)
-    assert choose_cutoff([log]) == pytest.approx(0.2 * rate)
+    assert choose_preparation([log]).cutoff == pytest.approx(0.2 * rate)
     estimate = exoid.identify(leg, log)
     np.testing.assert_allclose([estimate["X1"].value, estimate["J1"].value], leg.parameters[[0, 2]], rtol=0.02)

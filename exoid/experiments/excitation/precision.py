@@ -14,7 +14,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.regression.diagnostics import identifiability_class
 from exoid.regression.least_squares import INVOLVED, RANK
-from exoid.signals import Preparation, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Preparation, Recording, choose_preparation
 from exoid.signals.contacts import stands
 from exoid.signals.filters.reversals import around_stops, reversal_pulses, without_reversals
 from exoid.signals.moving_base import base_during
@@ -124,7 +124,7 @@ def information_of(
             raise BadArgumentError("no recordings to predict the precision of", remedy="pass at least one")
         return reduce(Information.plus, each)
     if preparation is None:
-        preparation = ZeroPhase(choose_cutoff([model.select(one) for one in recordings]))
+        preparation = choose_preparation([model.select(one) for one in recordings])
     count = len(model.names)
     R, score_covariance, duration = np.zeros((0, count)), np.zeros((count, count)), 0.0
     for recording in recordings:

@@ -16,7 +16,7 @@ from exoid.identification.problem import Problem
 from exoid.regression.fit import wls
 from exoid.regression.problem import Fit
 from exoid.regression.residuals import fit_noise
-from exoid.signals import Poses, Recording, ZeroPhase, choose_cutoff
+from exoid.signals import Poses, Recording, ZeroPhase, choose_preparation
 from exoid.signals.filters.reversals import around_stops
 from exoid.signals.moving_base import base_during
 from exoid.torques import TorqueModel
@@ -84,7 +84,7 @@ class JointML:
                 raise NotSupportedError(what, where=data.file_name, remedy="use wls, huber or ols")
         first = wls(problem)
         model = smooth(group.model)
-        preparation = ZeroPhase(choose_cutoff([group.model.select(data) for data in group.motions]))
+        preparation = choose_preparation([group.model.select(data) for data in group.motions])
         moving = [_moving(group.model, data, preparation) for data in group.motions]
         fit = partial(fit_motion, model, solve=problem.solve, priors=problem.prior_knowledge.pseudo_rows(problem.names))
         start = first if preparation == group.preparation else wls(problem.changed(preparation=preparation))
