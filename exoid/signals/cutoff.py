@@ -70,7 +70,7 @@ def choose_preparation(recordings: Iterable[Recording | Poses], *, base_rows: bo
     until the ends of the filters leave half of the samples. Recorded accelerations have no such noise. Where the base
     moves, noise and signal of its angular acceleration are added to those of each joint.
 
-    Angles pass up to 2 f. Touch-downs shake a leg faster, and what is lost of its velocity turns Coulomb friction round.
+    Angles pass up to 2 f. Touch-downs shake a leg faster, and what a filter takes of it changes the sign of friction.
     Where a recording has contacts, and a joint has more than a fiftieth of its velocity (RMS) beyond 2 f, angles pass
     up to where motion meets noise.
 

@@ -85,7 +85,8 @@ def refuse_dead_switches(leg: Leg, data: Sequence[Recording]) -> None:
     for one in data if leg.base_rows else ():
         for link, down in one.contacts.items():
             read[link] |= {*np.unique(down).tolist()}
-    flat = (link for link in read if leg.contact_kind(link) == "flat")
+    held = leg.description.root_link  # a torso in a harness has a contact, and does not rest
+    flat = (link for link in read if link != held and leg.contact_kind(link) == "flat")
     feet = [link for link in flat if not any(f"{link}{part}" in read for part in ("_heel", "_toe"))]
     for one, link in product(data, [link for link in feet if len(read[link]) == 1]):
         others, always = [x for x in feet if x in one.contacts and x != link], max(read[link])
