@@ -15,7 +15,7 @@ from exoid.estimate.finding import Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.signals import Preparation, Recording, choose_preparation
-from exoid.torques.contacts import Split, refuse_dead_switches, split
+from exoid.torques.contacts import Split, refuse_dead_switches, refuse_rolling_feet, split
 from exoid.torques.contacts.imu import ROCKS, beside
 from exoid.torques.contacts.stretches import EDGE
 from exoid.torques.contacts.support_model import SupportModel
@@ -57,6 +57,7 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
         remedy = "give the unit of its column, tau_<joint>=HEADER:N·mm, or divide by 1000"
         raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy)
     refuse_dead_switches(model.leg, data)
+    refuse_rolling_feet(model.leg, data)
     # The low-pass of each set of links is chosen below; before, one by all recordings says what it will smear
     smears = choose_preparation(data) if by_noise else group.preparation
     every, of_session = _split_session(model.leg, data, smears)

@@ -66,6 +66,16 @@ def test_the_noisiest_joint_decides():
     )
 
 
+def test_what_touch_downs_shake_passes_up_to_where_it_meets_noise():
+    quiet = log(1e-4)
+    ringing = 0.01 * np.exp(-10.0 * (quiet.time % 1.0)) * np.sin(2.0 * np.pi * 30.0 * quiet.time)
+    shaken = dataclasses.replace(quiet, q=quiet.q + ringing[:, None])
+    down = {"foot": quiet.time % 1.0 < 0.6}
+    assert 35.0 < choose_preparation([dataclasses.replace(shaken, contacts=down)]).kinematics_cutoff < 150.0
+    assert choose_preparation([dataclasses.replace(quiet, contacts=down)]).kinematics_cutoff is None
+    assert choose_preparation([shaken]).kinematics_cutoff is None  # of a drive's ripple nothing is known
+
+
 def test_a_short_recording_keeps_half_of_its_samples():
     short = log(3e-3, 100.0, 3.0)
     cutoff = choose_preparation([short]).cutoff

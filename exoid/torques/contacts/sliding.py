@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from itertools import combinations, product
 from typing import NamedTuple
@@ -85,9 +85,7 @@ def refuse_dead_switches(leg: Leg, data: Sequence[Recording]) -> None:
     for one in data if leg.base_rows else ():
         for link, down in one.contacts.items():
             read[link] |= {*np.unique(down).tolist()}
-    held = leg.description.root_link  # a torso in a harness has a contact, and does not rest
-    flat = (link for link in read if link != held and leg.contact_kind(link) == "flat")
-    feet = [link for link in flat if not any(f"{link}{part}" in read for part in ("_heel", "_toe"))]
+    feet = _flat_feet(leg, read)
     for one, link in product(data, [link for link in feet if len(read[link]) == 1]):
         others, always = [x for x in feet if x in one.contacts and x != link], max(read[link])
         if link not in one.contacts or not others:
@@ -100,6 +98,36 @@ def refuse_dead_switches(leg: Leg, data: Sequence[Recording]) -> None:
             what = f"the switch of {link} reads {int(always)} at all samples, and the foot {does}"
             remedy = f"mend this switch, which is dead: leave these logs out, or give the contact of {link} otherwise"
             raise UnreadableInputError(f"{what}, for {seconds:.2g} s", where=one.file_name, remedy=remedy)
+
+
+def refuse_rolling_feet(leg: Leg, data: Sequence[Recording]) -> None:
+    """Refuse walks on heel and toe where nothing but feet, which count as flat, says how the base moves."""
+    for one in data if leg.base_rows else ():
+        feet = _flat_feet(leg, one.contacts) if one.base is None else []
+        # 0.00 on walkers, seeds 20 to 29, whose ground leans, rocks, slides or is soft; 1.00 in the rig's walk
+        share = _turning(leg, feet, one, one.q)
+        if share > 0.5 and all(_turning(leg, feet, one, q) > 0.5 for _, q in angle_mistakes(one)):
+            what = f"for {share:.0%} of the time on both feet one of them turns: feet roll from heel to toe"
+            remedy = "record an IMU on the torso, or say when a foot is on its heel or toe: contact_<foot>_heel, …_toe"
+            what = f"{what}, and do not say how the base moves"
+            raise UnreadableInputError(what, where=one.file_name, remedy=remedy)
+
+
+def _turning(leg: Leg, feet: Sequence[str], one: Recording, q: FloatArray) -> float:
+    """Share of the time on two feet in which one of them turns against the other; zero where it is short."""
+    # on one foot alone, a base that turns and a foot that rolls look alike
+    slow, turned, both = slow_part(q, one.sample_rate, LOOK), 0, 0
+    for pair in combinations(feet, 2):
+        _, turns = _apart(*(motion_on(leg, link, slow, one.time) for link in pair))
+        down = np.logical_and(*(one.contacts[link] for link in pair))
+        turned, both = turned + np.count_nonzero(turns & down), both + np.count_nonzero(down)
+    return turned / both if both > 0.1 * one.sample_rate else 0.0
+
+
+def _flat_feet(leg: Leg, links: Collection[str]) -> list[str]:
+    """Find feet whose contacts are flat: a torso in a harness is none, nor a foot with switches of heel and toe."""
+    feet = (link for link in links if link != leg.description.root_link and leg.contact_kind(link) == "flat")
+    return [link for link in feet if not any(f"{link}{part}" in links for part in ("_heel", "_toe"))]
 
 
 def _denied(leg: Leg, link: str, sure: Sequence[str], others: Sequence[str], one: Recording, q: FloatArray) -> float:

@@ -10,9 +10,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import exoid
-from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.experiments.ground import bleex_machine, walking
-from exoid.lab.reproduce.stance import TERMS, WALKING
+from exoid.lab.reproduce.stance import TERMS, WALKING, true_values
 from exoid.leg.description import describe
 from exoid.rig.ground import GroundSensors, Sole
 from exoid.signals import contacts_from_motion
@@ -145,6 +145,22 @@ def test_a_walk_tells_the_bias_of_its_imu(walk):
     assert max(value for name, value in errors(estimate, walk).items() if name[0] == "X") < 0.02
     (bias,) = (each for each in estimate.findings if each.kind == "imu-bias")
     assert bias.value == pytest.approx(np.hypot(0.2, 0.1), abs=0.05)
+
+
+@pytest.mark.slow
+def test_a_healthy_walk_needs_no_settings_but_an_imu(walk):
+    """Touch-downs shake joints faster than the usual low-pass lets through: a torque offset was made of it."""
+    log, true = walk.recording(seed=1, wrenches=("torso",)), true_values(walk.plant)
+    estimate = exoid.identify(walk.plant.leg, log)
+    assert not [each for each in estimate.findings if each.severity == "error"]
+    low, high = estimate.interval(0.95).T
+    values = np.array([true.get(name, 0.0) for name in estimate.names])
+    assert np.mean((low <= values) & (values <= high)) > 0.9
+    with pytest.raises(UnreadableInputError, match="feet roll from heel to toe"):
+        exoid.identify(walk.plant.leg, replace(log, base=None))
+    held = walk.recording(seed=1, wrenches=())  # an unknown harness: no foot, but nothing tells of the torso
+    with pytest.raises(NotIdentifiableError, match="M, X0, Y0, J0 left no trace"):
+        exoid.identify(walk.plant.leg, held)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.01, 0.03, 0.06])
