@@ -97,10 +97,8 @@ def motion_power(recording: Recording | Poses, *, base_rows: bool = False) -> Mo
         joints = len(recording.joint_names)
         nothing = np.zeros((len(CUTOFFS), joints + 3))
         return MotionPower(nothing, nothing, np.zeros((2, len(BANDS) - 1, joints)), len(even), rate)
-    (power, fast), of_base = (
-        _power(even.q.T, rate),
-        np.zeros((2, len(CUTOFFS), 3)),
-    )  # place and turn by its pose, turn by gyro
+    power, fast = _power(even.q.T, rate)
+    of_base = np.zeros((2, len(CUTOFFS), 3))  # place and turn by its pose, turn by gyro
     if not any(contact.any() for contact in even.contacts.values()):
         fast[:] = 0.0  # where nothing touches down, noise and ripple look like it and would pass
     if even.base is not None and even.base.pose is not None:

@@ -120,7 +120,7 @@ def _turning(leg: Leg, feet: Sequence[str], one: Recording, q: FloatArray) -> fl
     for pair in combinations(feet, 2):
         _, turns = _apart(*(motion_on(leg, link, slow, one.time) for link in pair))
         down = np.logical_and(*(one.contacts[link] for link in pair))
-        turned, both = turned + np.count_nonzero(turns & down), both + np.count_nonzero(down)
+        turned, both = turned + int(np.count_nonzero(turns & down)), both + int(np.count_nonzero(down))
     return turned / both if both > 0.1 * one.sample_rate else 0.0
 
 
