@@ -103,9 +103,10 @@ def test_modelled_and_measured_friction_are_those_of_the_leg(leg):
     estimate = exoid.identify(leg, recording, (Coulomb(), Viscous()))
     found = predict_recording(estimate, recording)
     start = len(time) // 2 - len(found.friction) // 2
-    expected = estimate.preparation.filter(friction, 100.0)[start : start + len(found.friction)]
-    np.testing.assert_allclose(found.friction, expected, atol=0.05)
-    np.testing.assert_allclose(found.friction + found.validation.residual, expected, atol=0.08)
+    inner = slice(20, -20)  # towards the ends, the filter of rows sees nothing beyond them
+    expected = estimate.preparation.filter(friction, 100.0)[start : start + len(found.friction)][inner]
+    np.testing.assert_allclose(found.friction[inner], expected, atol=0.05)
+    np.testing.assert_allclose((found.friction + found.validation.residual)[inner], expected, atol=0.08)
 
 
 def test_names_from_files_cannot_break_the_page():

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.estimate.validation import HEADERS
+from exoid.regression.every_row import make_rows
 from exoid.signals import Recording
-from exoid.signals.moving_base import base_during
 from exoid.tools.tables import DataTable
 from exoid.view.colours import PREDICTED, RESIDUAL
 from exoid.view.fit import plot_friction_fit, plot_prediction, plot_residual_trend
@@ -40,15 +40,11 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
         recording = estimate.actuators.torque(recording)
     recording = estimate.model.select(recording).resampled()
     validation = validate(estimate, recording, cutoff=cutoff)
-    preparation = validation.filter.preparation
-    q, v, a, _ = preparation.kinematics(recording)
-    valid = np.searchsorted(recording.time, validation.time - 0.5 / recording.sample_rate)
-    base = base_during(recording, preparation)
-    motion = estimate.model.motion(q, v, a, base, recording.payloads)
-    friction = estimate.model.columns(motion).T @ np.where(estimate.model.friction, estimate.values, 0.0)
-    if preparation.parallel(recording.sample_rate) is not None:
-        friction = preparation.filter(friction, recording.sample_rate)
-    return RecordingPrediction(recording, q[valid], v[valid], validation, friction[valid, -q.shape[1] :])
+    rows = make_rows(estimate.model, recording, validation.filter.preparation)
+    friction = rows.W @ np.where(estimate.model.friction, estimate.values, 0.0)
+    at = np.searchsorted(rows.time, validation.time - 0.5 / recording.sample_rate)
+    q, v, friction = (x[at, estimate.model.leg.base_rows :] for x in (rows.q, rows.v, friction))
+    return RecordingPrediction(recording, q, v, validation, friction)
 
 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
