@@ -105,7 +105,7 @@ def prepare(
     stride = 1 if parallel is None or every else parallel.stride
     slow = None if parallel is None or every or not stops else model.reversing(v)
     computed = np.isin(recording.joint_names, recording.computed) if recording.computed else None
-    base = base_during(recording, preparation)
+    base = recording.torso if recording.base is None else base_during(recording, preparation)
     try:
         motion = model.motion(q, v, a, base, recording.payloads, computed)
         if recording.wrenches:

@@ -263,7 +263,8 @@ class TorqueModel(RegressorModel):
             ExoidError: Shapes do not fit, or the leg does not have a joint that a payload names.
         """
         q, v, a = self.leg.samples(q, v, a)
-        motion = Motion(q, v, a, torso, computed=computed).with_states(self.states)
+        states = {(joint, kind): kind.states(q[:, joint], v[:, joint]) for joint, kind in self.states}
+        motion = Motion(q, v, a, torso, states, computed=computed)
         if not payloads:
             return motion
         return motion._replace(payload=self.row_payload(payload_torque(self.leg, payloads, motion), motion.q, torso))

@@ -49,18 +49,6 @@ class Motion(NamedTuple):
     computed: NDArray[np.bool_] | None = None
     measured: FloatArray | None = None
 
-    def with_states(self, needed: Iterable[tuple[int, Presliding]]) -> Motion:
-        """Add internal states of joints, which depend on all motion before a sample.
-
-        Args:
-            needed: Joint and kind of each.
-
-        Returns:
-            The motion with these states.
-        """
-        states = {(j, kind): kind.states(self.q[:, j], self.v[:, j]) for j, kind in needed}
-        return self._replace(states={**self.states, **states})
-
     def rows(self, rows: slice | NDArray[np.intp]) -> Motion:
         """Select rows; consecutive ones are not copied.
 

@@ -169,8 +169,8 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     every = replace(model, extras=(nuisances, *others))
     assert isinstance(prepared.motion, Motion)
     assert one.tau is not None
-    motion = prepared.motion._replace(measured=np.nan_to_num(one.tau)).with_states(every.states)
-    prepared = prepared._replace(motion=motion)
+    states = every.motion(*prepared.motion[:4]).states
+    prepared = prepared._replace(motion=prepared.motion._replace(states=states, measured=np.nan_to_num(one.tau)))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
     rows.W[..., places["drift"]] *= (rows.time - fitted.clock_start(one))[:, None]
     if "known delay" in places and not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late
