@@ -127,18 +127,18 @@ def _told_findings(fitted: Fitted) -> Iterator[Finding]:
 
 def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str, ...]) -> Finding:
     """Say what was taken out of the readings of an inertial measurement unit."""
-    gyro, force = (", ".join(f"{x:.2g}" for x in part) for part in (errors.gyro_bias, errors.force_bias))
+    pairs = zip((errors.gyro_bias, errors.force_bias), np.split(errors.std, 2), strict=True)
+    gyro, force = (f"({', '.join(f'{x:.2g}' for x in bias)}) ± {2.0 * each.max():.2g}" for bias, each in pairs)
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:]))
     # Known no better than this [m/s²], it leaves 0.5 % of gravity, and of every mass moment, open
     if errors.std[3:].max() > 0.05:
-        error = f"± {2.0 * std:.2g} m/s² only, which is part of all intervals"
-        text = f"{when}, the bias of the base's sensor is known to {error}"
+        text = f"{when}, the bias of the base's sensor is known to ± {2.0 * std:.2g} m/s², as all intervals say"
         remedy = "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))"
         return Finding("imu-unchecked", "", 2.0 * std, "m/s²", "warning", text, remedy, None, parameters, name)
     # Accelerometers are off by less [m/s²]: more is a tilt by 3° of their mounting, or of the sole
     large, interval = size > 0.5, (size - 2.0 * std, size + 2.0 * std)
     more = "; no sensor is off by so much" if large else ""
-    text = f"{when}, the base's sensor was off by ({force}) m/s² and ({gyro}) rad/s, which was taken out{more}"
+    text = f"{when}, the base's sensor was off by {force} m/s² and {gyro} rad/s, which was taken out{more}"
     if not large:
         return Finding("imu-bias", "", size, "m/s²", "info", text, "calibrate the sensor", interval, (), name)
     remedy = "check its mounting and unit, the zeros of the joints, and that the sole is level at zero angles"
