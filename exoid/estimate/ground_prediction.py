@@ -142,11 +142,13 @@ def stretch_forces(
     of_motion = np.mean([(each - found) ** 2 for each in again], axis=(0, 1)) if again else 0.0
     # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing).
     # At the cut-off that is half of the power, which counts over a period of it: the difference also passes zero.
-    once, parallel = np.zeros((found.shape[1], len(recording))), estimate.preparation.parallel(recording.sample_rate)
-    once[:, recording.mask] = found.T
-    smeared = (once - _filtered(estimate, recording, once))[:, recording.mask].T ** 2
+    smeared, parallel = np.zeros_like(found), estimate.preparation.parallel(recording.sample_rate)
     if parallel is not None:
-        smeared = 2.0 * scipy.ndimage.uniform_filter1d(smeared, round(parallel.rate / parallel.cutoff), axis=0)
+        once, every = np.zeros((found.shape[1], len(recording))), range(len(recording))
+        once[:, recording.mask] = found.T
+        twice = parallel.among_zeros(once, every, recording.mask) / parallel.gain(recording.mask, every)
+        squares = (once - twice)[:, recording.mask].T ** 2
+        smeared = 2.0 * scipy.ndimage.uniform_filter1d(squares, round(parallel.rate / parallel.cutoff), axis=0)
     half = half_width(0.95, estimate.dof) * np.sqrt(std**2 + of_motion + smeared)
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
@@ -196,17 +198,6 @@ def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> 
     found[at] = np.einsum("ncr,nr->nc", inverse, W @ estimate.values - rows.tau)
     std[at] = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
     return found[recording.mask], std[recording.mask]
-
-
-def _filtered(estimate: EstimateData, recording: Recording, signals: FloatArray) -> FloatArray:
-    """Low-pass of signals within the mask, as rows are filtered, (K, R, N)."""
-    assert recording.mask is not None
-    parallel = estimate.preparation.parallel(recording.sample_rate)
-    if parallel is None:
-        return signals
-    every, flat = range(len(recording)), signals.reshape(-1, signals.shape[-1])
-    filtered = parallel.among_zeros(flat, every, recording.mask) / parallel.gain(recording.mask, every)
-    return filtered.reshape(signals.shape)
 
 
 def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: BaseKinematics | None) -> FloatArray:
