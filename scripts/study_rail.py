@@ -12,7 +12,7 @@ along a vertical rail. The force under the foot is measured in the training alon
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -21,7 +21,6 @@ from lxml import etree
 from scipy.interpolate import PchipInterpolator
 
 import exoid
-from exoid.estimate.ground_prediction import _filtered
 from exoid.leg.description import describe
 
 RATE, STEP = 500.0, 2e-4  # of the log [Hz], and step of the simulation [s]
@@ -236,7 +235,8 @@ def figures(seed: int, radius: float = RADIUS, said: float = 0.0, beside: float 
         mask[at] = True
         # the true force, as it is and low-passed as the prediction is
         true = other.force[:, 2]
-        alike = _filtered(estimate, replace(log, mask=mask), true[np.newaxis, np.newaxis])[0, 0]
+        low_pass, every = estimate.preparation.parallel(log.sample_rate), range(len(log))
+        alike = low_pass.among_zeros(true[np.newaxis], every, mask)[0] / low_pass.gain(mask, every)
         error = force.force[:, 2] - alike[at]
         raw = force.force[:, 2] - true[at]
         inside = np.abs(error) < force.force_half[:, 2]
