@@ -20,6 +20,7 @@ from exoid.regression.intervals import half_width
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, PriorKnowledge
 from exoid.signals import Preparation
 from exoid.torques import Regrouped, TorqueModel
+from exoid.torques.catalog import radians
 from exoid.torques.motion import BLOCK
 
 from .evidence import Evidence, Support, freeze
@@ -37,8 +38,7 @@ class Input:
     sha256: str  # hash of the file, or of the arrays
     samples: int  # number of samples
     sample_rate: float  # [Hz]
-    # first and last time stamp of each segment that was used [s]; empty if all was
-    segments: tuple[tuple[float, float], ...] = ()
+    segments: tuple[tuple[float, float], ...] = ()  # time stamps of the segments that were used [s]; empty for all
     payloads: tuple[str, ...] = ()  # payloads on the leg, as text; empty for none
     moving_base: bool = False  # whether the base moved
     wrenches: tuple[str, ...] = ()  # links on which wrenches were measured
@@ -239,7 +239,8 @@ class EstimateData(ParameterTable):
         if self.model_error is None:
             return self.model
         rigid = self.values[: len(self.model.leg.parameter_names)]
-        return replace(self.model, extras=(AlternativeFriction(rigid, self.model_error.speed),))
+        extras = (AlternativeFriction(rigid, self.model_error.speed, radians(self.model.leg)),)
+        return replace(self.model, extras=extras)
 
     @property
     def residual_variance(self) -> FloatArray:

@@ -109,8 +109,7 @@ def freeze(record: object, shapes: Mapping[str, tuple[int, ...]]) -> None:
     for name, shape in shapes.items():
         array = np.array(getattr(record, name), dtype=np.float64)
         if array.shape != shape or not np.isfinite(array).all():
-            raise BadArgumentError(
-                f"{name} of shape {array.shape} must be finite, and of shape {shape}", remedy="identify again"
-            )
+            what = f"{name} of shape {array.shape} must be finite, and of shape {shape}"
+            raise BadArgumentError(what, remedy="identify again")
         array.flags.writeable = False
         object.__setattr__(record, name, array)

@@ -119,9 +119,8 @@ def estimate_from_json(data: Mapping[str, Any], kind: type[E]) -> E:
         loops=Loops.from_data(about["loops"]) if "loops" in about else None,
     )
     if leg.description.sha256 != about["sha256"]:
-        raise UnreadableInputError(
-            "the URDF inside is not the one identified: its hash differs", remedy="identify again"
-        )
+        what = "the URDF inside is not the one identified: its hash differs"
+        raise UnreadableInputError(what, remedy="identify again")
     if not isinstance(data["warnings"], list) or not all(isinstance(text, str) for text in data["warnings"]):
         raise UnreadableInputError("warnings are not a list of sentences", remedy="identify again and save")
     terms = tuple(TERMS.from_json(term) for term in data["terms"])

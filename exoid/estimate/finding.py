@@ -57,9 +57,8 @@ class Finding:
         """Check that numbers are finite and the severity exists."""
         numbers = (self.value, *(self.interval or ()))
         if self.severity not in SEVERITIES or not np.isfinite(numbers).all():
-            raise BadArgumentError(
-                f"finding {self.kind} with severity {self.severity!r} and numbers {numbers}", remedy="identify again"
-            )
+            what = f"finding {self.kind} with severity {self.severity!r} and numbers {numbers}"
+            raise BadArgumentError(what, remedy="identify again")
 
     def __str__(self) -> str:
         """Print in one line."""

@@ -96,8 +96,7 @@ def _restrictions(model: TorqueModel, pairs: Sequence[_Pair]) -> FloatArray:
         for a, b in pair.joints:
             of_a, of_b = (slice(10 * (root + joint), 10 * (root + joint + 1)) for joint in (a, b))
             D[of_b, of_a], D[of_b, of_b] = np.diag(pair.signs), 0.0
-            # friction and rotors are alike whatever the sense of a joint; offsets of sensors are not
-            for symbol in never:
+            for symbol in never:  # friction and rotors are alike whatever the sense of a joint; offsets are not
                 of_terms = [f"{symbol}_{model.leg.joint_labels[joint]}" for joint in (a, b)]
                 if set(of_terms) <= set(terms):
                     i, j = (K.shape[1] + terms.index(name) for name in of_terms)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +51,7 @@ class AlternativeFriction:
 
     rigid: FloatArray  # parameters of the rigid bodies, whose torque τ_rb loads the joints, (p,)
     speed: FloatArray  # largest speed of the training [rad/s], (n,)
+    radian: FloatArray  # what counts as a radian, at a prismatic joint in m, (n,)
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:
@@ -61,7 +61,7 @@ class AlternativeFriction:
     @property
     def states(self) -> list[tuple[int, Presliding]]:
         """Presliding states of each joint."""
-        return [*product(range(len(self.speed)), map(Presliding, LENGTHS))]
+        return [(j, Presliding(radian * x)) for j, radian in enumerate(self.radian.tolist()) for x in LENGTHS]
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
         """Write the columns."""
@@ -69,10 +69,10 @@ class AlternativeFriction:
         if motion.payload is not None:
             load += motion.payload.T
         for j, of_joint in enumerate(np.moveaxis(out, 1, 0)):
-            v = motion.v[:, j]
-            sign, slow = np.tanh(v / SMOOTHING), max(self.speed[j], SMOOTHING)
+            v, smoothing = motion.v[:, j], SMOOTHING * self.radian[j]
+            sign, slow = np.tanh(v / smoothing), max(self.speed[j], smoothing)
             of_joint[:] = (
-                *(motion.states[j, Presliding(length)] for length in LENGTHS),
+                *(motion.states[j, Presliding(float(self.radian[j]) * x)] for x in LENGTHS),
                 *(sign * np.exp(-((v / (part * slow)) ** 2)) for part in STRIBECK),
                 v * np.abs(v),
                 sign * np.abs(load[j]),

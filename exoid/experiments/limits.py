@@ -15,7 +15,7 @@ from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
 from exoid.tools.numbers import ROUNDED, checked
-from exoid.torques.catalog import SLIDE, turning_joints
+from exoid.torques.catalog import radians, turning_joints
 
 MARGIN = np.deg2rad(3.0)
 """Margin to the joint limits of the URDF for overshoot of the servos [rad]; a tenth of it in m of a prismatic joint."""
@@ -106,7 +106,7 @@ class MotionLimits:
                     command=f"give the range that is safe, in degrees or mm: --angles {names[0]}=LOW:HIGH",
                     joints=(names[0],),
                 )
-        gap = margin * np.where(turning_joints(leg), 1.0, SLIDE)
+        gap = margin * radians(leg)
         lower = np.where(np.isfinite(own.lower), own.lower, -np.pi) + gap
         upper = np.where(np.isfinite(own.upper), own.upper, np.pi) - gap
         for name, (low, high) in given.items():

@@ -80,8 +80,7 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             break
         turned = [each.name for each, ratio in zip(free, step.moved / step.sizes, strict=True) if ratio >= 1.0]
         backwards = backwards + 1 if turned else 0
-        # So often in a row the sign of a constant must be wrong to be refused
-        if backwards == 3:
+        if backwards == 3:  # so often in a row the sign of a constant must be wrong to be refused
             turned = _negative(group, [each for each in free if each.constant.is_scale]) or turned
             sensed = any(one.wrenches for one in group.motions)
             known = "sign and axes of force sensors" if sensed else "the payloads"
@@ -114,8 +113,7 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
 
 def _negative(group: Group, scales: Sequence[DriveConstant]) -> list[str]:
     """Name the scales of torques that are negative in W β − g τ = −τ_payload, a fit that is linear in β and g."""
-    # Noise of the torques shrinks g, but leaves its sign.
-    tables = []
+    tables = []  # noise of the torques shrinks g, but leaves its sign
     for rows in chain.from_iterable(group.rows_of(index) for index in range(len(group.data))):
         known = np.zeros_like(rows.tau) if rows.known is None else rows.known
         for j, usable in enumerate(rows.usable.T):

@@ -54,7 +54,7 @@ def begin(
         pairs = {"": (leg, check_recordings(recordings))}
     else:
         pairs = pair_groups(leg, recordings, own)
-    chosen = terms_of(next(iter(pairs.values()))[0], terms)
+    chosen = terms_of(terms)
     wrong = [item for item in chosen if not isinstance(item, Term)]
     if wrong:
         what = f"{wrong[0]!r} is no term"
@@ -67,8 +67,7 @@ def begin(
         if terms is None:  # coupled motors have terms of their own
             used = [coupling for coupling in drives.couplings.values() if computed & set(coupling.joints)]
             chosen = (*chosen, *(term for coupling in used for term in motor_terms(coupling)))
-        # known rotors are held
-        known = known_rotors(pairs[name][0], drives, computed, chosen, knowledge)
+        known = known_rotors(pairs[name][0], drives, computed, chosen, knowledge)  # known rotors are held
         knowledge = replace(knowledge, known=known)
         refuse_beside_unknown(mounted, estimator, chosen, delay, knowledge.names)
     loaded = [type(term).__name__ for term in chosen if term.loaded]

@@ -120,8 +120,7 @@ class Group:
         kept = [*itertools.chain(*self._whole.values()), *(few for few in self._few.values() if isinstance(few, Rows))]
         room = self.memory_share * KEPT_BYTES - sum(rows.W.nbytes for rows in kept)
         keep_whole, keep_few = size * (1.0 + 1.0 / step) <= room, size / step <= room
-        # where decimation leaves so few, reading them from a file is faster than making them again
-        file_few = not keep_few and step >= 4
+        file_few = not keep_few and step >= 4  # then reading them is faster than making them again
         whole, few, before = list[Rows](), list[Rows](), 0
         for stretch in prepared.stretches():
             rows = form_rows(self.model, prepared, stretch)

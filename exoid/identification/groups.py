@@ -133,10 +133,7 @@ def shared_agreement(
     places = {name: [k * len(names) + names.index(name) for k in range(len(groups))] for name in shared}
     covariance = scipy.linalg.block_diag(*blocks)
     equality = equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs))
-    # Probability with which groups that do share their parameters would be said not to
-    below = ", ".join(equality.below(0.01))
-    warning = (
-        f"groups do not agree on {below}, which they share, by more than noise explains: make these own, or find out "
-        "what else differs"
-    )
+    below = ", ".join(equality.below(0.01))  # in 1 % of groups that do share their parameters
+    warning = f"groups do not agree on {below}, which they share, by more than noise explains: make these own, or find "
+    warning += "out what else differs"
     return equality, (warning,) if below else (), ()

@@ -8,7 +8,6 @@ from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
 from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.regression.least_squares import ROUNDING, TINY, factorize, scaled_lstsq, stack
-from exoid.torques import TorqueModel
 from exoid.torques.linearised import Linearised
 
 from .estimators import Estimator
@@ -38,8 +37,7 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
             break
     # After the last step, a warning is due if predictions still change by more than this part of the residual
     unsettled = () if change <= 0.02 else (f"the fit has not settled in {STEPS} steps: leave some terms out",)
-    model = given.single.model
-    settled = TorqueModel(model.leg, model.terms, values[: len(model.leg.parameter_names)], separate=model.separate)
+    settled = given.single.model.loaded_by(values)
     return Fitted(problem, fit, (settled,), NO_NONLINEAR_PARAMETERS, (*fit.warnings, *unsettled))
 
 

@@ -179,10 +179,8 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> Iterator[Finding]:
     halves = 2.0 * np.sqrt(np.diag(footing.found.spread))
     remedy = "record an IMU on the torso, which needs no such assumption"
     for (link, c), half in zip(footing.compliance.items(), halves.tolist(), strict=False):
-        text = (
-            f"the motion of the base follows from {link}, which tilts by {c:.2g} ± {half:.2g} rad/(N·m) "
-            "under the torque of its joint; this was taken into account, and its error is part of all intervals"
-        )
+        text = f"the motion of the base follows from {link}, which tilts by {c:.2g} ± {half:.2g} rad/(N·m) "
+        text += "under the torque of its joint; this was taken into account, and its error is part of all intervals"
         yield Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, (c - half, c + half))
     names = fitted.models[0].leg.parameter_names
     if footing.knots:
@@ -205,8 +203,7 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> Iterator[Finding]:
 
 def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -> Finding:
     """Say by how much the ground leans [deg], and what one degree would move."""
-    # first the parameters that it moves by most of their standard deviations
-    model = fitted.models[0]
+    model = fitted.models[0]  # first the parameters that it moves by most of their standard deviations
     places = fitted.problem.places[0][: len(model.names)]
     moves = np.deg2rad(1.0) * np.linalg.norm(footing.found.slopes[places, footing.part(LEAN)], axis=1)
     std = np.sqrt(np.diag(fitted.fit.solution.covariance))[places]

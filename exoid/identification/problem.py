@@ -140,8 +140,7 @@ class Fitted(NamedTuple):
     models: tuple[TorqueModel, ...]  # torque model of each group, loaded by the fitted rigid bodies
     nonlinear: NonlinearParameters  # constants of drives that were found, without covariance
     warnings: tuple[str, ...]  # warnings for the reader
-    # covariance that errors of numbers beside the parameters add, (P, P); None for none
-    doubt: FloatArray | None = None
+    doubt: FloatArray | None = None  # covariance by errors of numbers beside the parameters, (P, P)
     findings: tuple[Finding, ...] = ()  # what the fit shows, beside the findings of each group
 
     def values(self, group: int) -> FloatArray:

@@ -40,8 +40,7 @@ class RecordingSummary(NamedTuple):
     highest: FloatArray  # largest angle of each joint [rad], (n,)
     mean: FloatArray  # mean angle of each joint [rad], (n,)
     torques: Torques | None  # none where there are none
-    # noise of the angles beside their motion, for the cut-off; None where it is not needed
-    motion_power: MotionPower | None
+    motion_power: MotionPower | None  # of the angles and their noise, for the cut-off; None if not needed
     # angular velocity of the base over that of the first joint, root mean square each; 0 for a base at rest. Of
     # a planar leg only rotation within its plane counts
     base_turning: float = 0.0

@@ -252,8 +252,7 @@ def _of_joint(supports: Sequence[Support], joint: str) -> float:
 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
     """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
-    # Probability with which a parameter that is zero would be said to be negative
-    limit = float(scipy.stats.norm.ppf(1.0 - 0.005))
+    limit = float(scipy.stats.norm.ppf(1.0 - 0.005))  # in 0.5 % of parameters that are zero
     below = never_negative(model) & (values < 0.0) & (values < -limit * std)
     if not below.any():
         return ()

@@ -143,8 +143,7 @@ def row_changes(fitted: Fitted, effects: Effects) -> RowChanges:
     inverse = scaled_inverse(known)
     own, slopes_of = np.flatnonzero(found.free[:count]), np.zeros((count, more))
     slopes_of[own] = -scaled_inverse(known[: len(own), : len(own)]) @ found.information[own, count:]
-    # sandwich of the scores of blocks
-    moved = found.scores[:, found.free] @ inverse[:, -more:]
+    moved = found.scores[:, found.free] @ inverse[:, -more:]  # sandwich of the scores of blocks
     spread = moved.T @ moved + inverse[-more:] @ np.diag(found.prior[found.free]) @ inverse[:, -more:]
     covariance = inverse[-more:, -more:]
     larger = np.sqrt(np.maximum(1.0, np.diag(covariance) / np.diag(spread)))
@@ -160,8 +159,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
     scores = defaultdict[tuple[str, int, float], FloatArray](lambda: np.zeros(count + more))
     blocks = set[tuple[int, float]]()
     for k, group in enumerate(problem.groups):
-        # without poses, R factors are counted as rows are
-        weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])
+        weights = np.array(fitted.fit.weights[slice(*problem.starts[0, k : k + 2])])  # without poses
         values = fitted.values(k)
         for index, one in enumerate(group.motions):
             rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in effects.others)))
@@ -231,7 +229,7 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
 
 def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None = None) -> Reading | None:
     """Reading of the torques that fits by far better than a poor log as it is, and than a rival, if any."""
-    plain, *others = readings(problem.groups[parts[0]].model.leg.joint_names)
+    plain, *others = readings(problem.groups[parts[0]].model.leg)
     signs = [one for one in others if one.kind != "torque-scale"]  # another scale only parts a torque from the others
     of_torques = [one for one in signs if (one.angles, one.angle_order) == (plain.angles, plain.angle_order)]
     as_logged, torques = _misfit(problem, parts), rms_residuals(problem, parts, np.zeros(len(problem.names)))

@@ -17,8 +17,7 @@ from .problem import Problem
 
 def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Sequence[str]) -> tuple[Term, ...]:
     """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known."""
-    # Friction of a joint leaves no trace in the torques of other joints.
-    if getattr(estimator, "fits_samples", False):
+    if getattr(estimator, "fits_samples", False):  # friction leaves no trace in the torques of other joints
         what = f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured"
         raise NotSupportedError(what, remedy="use wls, huber or ols")
     labels, given = problem.groups[0].model.leg.joint_labels, problem.given

@@ -67,7 +67,7 @@ class RecursiveEstimator:
         false_alarms: float = 0.1,
     ) -> None:
         # The model of the start where there is one, so that parameters have the same names
-        chosen = terms_of(leg, start.model.terms if terms is None and start is not None else terms)
+        chosen = terms_of(start.model.terms if terms is None and start is not None else terms)
         model = TorqueModel(leg, chosen, separate=() if start is None else start.names)
         if start is not None and model.names != start.names:
             what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"

@@ -8,7 +8,7 @@ from exoid.signals import Poses, Preparation, Recording
 
 from .model import RegressorModel
 from .row_data import Rows
-from .rows import OF_SAMPLES, Prepared, chain, form_rows, prepare
+from .rows import Prepared, chain, form_rows, prepare
 
 
 def make_rows(model: RegressorModel, data: Recording | Poses, preparation: Preparation) -> Rows:
@@ -29,6 +29,5 @@ def each_row(model: RegressorModel, prepared: Prepared) -> Iterator[Rows]:
             known = None if rows.known is None else rows.known / gain[:, None]
             rows = rows._replace(W=rows.W / gain[:, None, None], tau=rows.tau / gain[:, None], known=known)
         if not counted.all():
-            names = OF_SAMPLES if rows.known is None else (*OF_SAMPLES, "known")
-            rows = rows._replace(**{name: getattr(rows, name)[counted] for name in names})
+            rows = rows._replace(**{name: x[counted] for name, x in rows.of_samples.items()})
         yield rows

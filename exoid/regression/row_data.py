@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import tempfile
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,11 @@ class Rows(NamedTuple):
     stands_for: float = 1.0
     reversals: tuple[TakenOut, ...] = ()
     known: FloatArray | None = None
+
+    @property
+    def of_samples(self) -> dict[str, Any]:
+        """Arrays with a row for each sample, by name."""
+        return {name: x for name, x in self._asdict().items() if isinstance(x, np.ndarray) and name != "acting"}
 
 
 class NoiseKind(NamedTuple):

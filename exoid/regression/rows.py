@@ -27,9 +27,6 @@ REACHES = 8.0
 BLOCKS = 12
 """Largest number of blocks whose regressor is formed at once, times joints; where rows are decimated."""
 
-OF_SAMPLES = ("time", "W", "tau", "q", "v", "usable")
-"""Arrays of :class:`Rows` with a row for each sample."""
-
 
 def rate_class(time: FloatArray) -> int:
     """Logarithm of the sampling interval to base 1.1, rounded."""
@@ -256,13 +253,12 @@ def decimate(rows: Rows, before: int, count: int) -> Rows:
     # Behind a low-pass the rows between are redundant, and what noise is left is nearly white at this pace, so that a
     # simple model describes it: at the full pace the same model would spend its order on the edge of the filter.
     every = decimation(rows.independent_fraction, count)
-    first, step = every.start, every.step
-    if step == 1:
+    if every.step == 1:
         return rows
-    kept = slice((first - before) % step, None, step)
-    fraction, stands_for = min(1.0, rows.independent_fraction * step), count / len(range(first, count, step))
-    arrays: dict[str, Any] = {name: getattr(rows, name)[kept].copy(order="K") for name in OF_SAMPLES}
-    return rows._replace(**arrays, independent_fraction=fraction, stands_for=stands_for, known=None)
+    kept = slice((every.start - before) % every.step, None, every.step)
+    fraction, stands_for = min(1.0, rows.independent_fraction * every.step), count / len(range(count)[every])
+    arrays: dict[str, Any] = {name: x[kept].copy(order="K") for name, x in rows.of_samples.items()}
+    return rows._replace(**arrays, independent_fraction=fraction, stands_for=stands_for)
 
 
 def decimated(prepared: Prepared) -> Prepared:
@@ -276,7 +272,8 @@ def chain(stretches: Sequence[Rows]) -> Rows:
     """Put stretches of one recording together."""
     if len(stretches) == 1:
         return stretches[0]
-    arrays: dict[str, Any] = {name: np.concatenate([getattr(rows, name) for rows in stretches]) for name in OF_SAMPLES}
+    names = stretches[0].of_samples
+    arrays: dict[str, Any] = {name: np.concatenate([getattr(rows, name) for rows in stretches]) for name in names}
     # column by column, as they lie in memory
     arrays["W"] = np.concatenate([rows.W.transpose(2, 1, 0) for rows in stretches], axis=2).transpose(2, 1, 0)
     lengths = [len(rows.time) for rows in stretches]
@@ -286,5 +283,4 @@ def chain(stretches: Sequence[Rows]) -> Rows:
         )
         for parts in zip(*(rows.reversals for rows in stretches), strict=True)
     )
-    known = [rows.known for rows in stretches if rows.known is not None]
-    return stretches[0]._replace(**arrays, reversals=reversals, known=np.concatenate(known) if known else None)
+    return stretches[0]._replace(**arrays, reversals=reversals)

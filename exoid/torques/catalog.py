@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.model import joint_axis
@@ -13,17 +17,17 @@ from exoid.tools.registry import Registry
 from .couplings import CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
 from .term import Term
-from .terms import Armature, Coulomb, Offset, Stiffness, Viscous
+from .terms import SMOOTHING, Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
 USUAL = Coulomb(smoothing=0.015, reversal_speed=0.03)
-"""Dry friction of a revolute joint, in the default terms."""
+"""Dry friction in the default terms."""
 
 DEFAULT_TERMS: tuple[Term, ...] = (USUAL, Viscous(), Armature(), Offset())
 """Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
 that does not."""
 
 SLIDE = 0.1
-"""Speed of a prismatic joint at which its default friction is as that of a revolute joint at 1 rad/s [m/s]."""
+"""Length that counts as a radian at a prismatic joint [m], for settings and thresholds that nobody chose for it."""
 
 TERMS: Registry[Term] = Registry("term", "exoid.torques.register_term")
 """Types of term by name, for files and the command line: those of exoid, and those that were registered."""
@@ -35,17 +39,21 @@ def turning_joints(leg: Leg) -> list[bool]:
     return turns if leg.closure is None else [turns[j] for j in leg.closure.independent]
 
 
-def terms_of(leg: Leg, terms: Sequence[Term] | None) -> tuple[Term, ...]:
-    """Terms as a caller gives them, one or several; those of the leg by default, by the kinds of its joints."""
-    if terms is not None:
-        return (terms,) if isinstance(terms, (Term, str)) else tuple(terms)
-    named = list(zip(leg.joint_names, turning_joints(leg), strict=True))
-    slides = tuple(name for name, turns in named if not turns)
-    if not slides:
-        return DEFAULT_TERMS
-    slow = Coulomb(joints=slides, smoothing=SLIDE * USUAL.smoothing, reversal_speed=SLIDE * USUAL.reversal_speed)
-    turning = replace(USUAL, joints=tuple(name for name, turns in named if turns))
-    return (turning, slow, *DEFAULT_TERMS[1:])
+def radians(leg: Leg) -> FloatArray:
+    """What counts as a radian at each joint of the equation, 1 rad or :data:`SLIDE`, (n,)."""
+    return np.where(turning_joints(leg), 1.0, SLIDE)
+
+
+def at_slide(term: Term) -> Term:
+    """Dry friction of a prismatic joint, at which usual speeds are those of a radian."""
+    usual = {"smoothing": (SMOOTHING, USUAL.smoothing), "reversal_speed": (USUAL.reversal_speed,), "velocity": (0.1,)}
+    found = {name: SLIDE * x for name, known in usual.items() if (x := getattr(term, name, None)) in known}
+    return replace(term, **found) if isinstance(term, DryFriction) else term
+
+
+def terms_of(terms: Sequence[Term] | None) -> tuple[Term, ...]:
+    """Terms as a caller gives them, one or several; the default ones for None."""
+    return DEFAULT_TERMS if terms is None else (terms,) if isinstance(terms, (Term, str)) else tuple(terms)
 
 
 def register_term(name: str, kind: type[Term]) -> None:
@@ -73,19 +81,12 @@ def register_term(name: str, kind: type[Term]) -> None:
         Drag(joints=('knee',))
     """
     if not (isinstance(kind, type) and issubclass(kind, Term)):
-        raise BadArgumentError(
-            f"{kind!r} is no type of term", remedy="derive a frozen dataclass from exoid.torques.Term"
-        )
+        what = f"{kind!r} is no type of term"
+        raise BadArgumentError(what, remedy="derive a frozen dataclass from exoid.torques.Term")
     TERMS.register(name, kind)
 
 
-register_term("armature", Armature)
-register_term("coulomb", Coulomb)
-register_term("coupling-friction", CouplingFriction)
-register_term("coupling-inertia", CouplingInertia)
-register_term("coupling-spring", CouplingSpring)
-register_term("load-friction", LoadFriction)
-register_term("offset", Offset)
-register_term("stiffness", Stiffness)
-register_term("stribeck", Stribeck)
-register_term("viscous", Viscous)
+BUILT_IN: tuple[type[Term], ...] = (Armature, Coulomb, CouplingFriction, CouplingInertia, CouplingSpring, LoadFriction)
+BUILT_IN += (Offset, Stiffness, Stribeck, Viscous)
+for kind in BUILT_IN:
+    register_term(re.sub("(?<=[a-z])(?=[A-Z])", "-", kind.__name__).lower(), kind)  # CouplingSpring: coupling-spring

@@ -27,7 +27,7 @@ class Linearised(TorqueModel):
     def of(cls, model: TorqueModel, point: FloatArray) -> Linearised:
         """Linearise a model about a point."""
         rigid = point[: len(model.leg.parameter_names)]
-        return cls(model.leg, model.terms, rigid, model.regrouped, point=point)
+        return cls(model.leg, model.terms, rigid, model.regrouped, model.separate, point=point)
 
     def columns(self, motion: Motion) -> FloatArray:
         """Form the columns ∂τ/∂β for a motion, or for some rows of one, and the rest of the torque."""

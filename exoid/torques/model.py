@@ -20,7 +20,7 @@ from exoid.leg.torso import MovingBase
 from exoid.regression.model import RegressorModel
 from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 
-from .catalog import turning_joints
+from .catalog import at_slide, turning_joints
 from .motion import BLOCK, ExtraColumns, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
 from .presliding import Presliding
@@ -67,9 +67,8 @@ class TorqueModel(RegressorModel):
         names = self.every_name
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
-            raise BadArgumentError(
-                f"parameters occur twice: {', '.join(repeated)}", remedy="give each term once a joint"
-            )
+            what = f"parameters occur twice: {', '.join(repeated)}"
+            raise BadArgumentError(what, remedy="give each term once a joint")
         if self.regrouped is None:
             object.__setattr__(self, "regrouped", self.dependent(self.separate))
         unknown = [one.name for one in self.regrouped if one.name not in names]
@@ -94,12 +93,12 @@ class TorqueModel(RegressorModel):
     @cached_property
     def blocks(self) -> tuple[TermBlock, ...]:
         """Terms joint by joint, in the order of the columns."""
-        names, labels = self.leg.joint_names, self.leg.joint_labels
-        return tuple(
-            TermBlock(term, joints, tuple(f"{symbol}_{label}" for symbol in term.symbols))
-            for term in self.terms
-            for label, joints in term.places(names, labels).items()
-        )
+        turns, found = turning_joints(self.leg), list[TermBlock]()
+        for term in self.terms:
+            for label, joints in term.places(self.leg.joint_names, self.leg.joint_labels).items():
+                names = tuple(f"{symbol}_{label}" for symbol in term.symbols)
+                found.append(TermBlock(term if turns[joints[0]] else at_slide(term), joints, names))
+        return tuple(found)
 
     @property
     def every_name(self) -> tuple[str, ...]:

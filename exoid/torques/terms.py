@@ -37,6 +37,8 @@ def reversals(v: FloatArray, speed: float) -> NDArray[np.bool_] | None:
 class DryFriction(Term):
     """Friction proportional to the direction z of motion: sgn(v), tanh(v / smoothing), or a presliding state.
 
+    At a prismatic joint settings are in m and m/s. Those that are left as usual are 0.1 m or m/s for each rad or rad/s.
+
     Attributes:
         smoothing: Velocity over which the sign changes [rad/s]; 0 for a sharp sign.
         presliding: Presliding length δ of :class:`exoid.torques.Presliding` [rad], about 1 mrad in gears; it replaces

@@ -177,6 +177,19 @@ def test_motors_that_are_warmer_in_the_log_of_the_payload_are_named(constants):
     assert constants[0] or (found["kt_hip"].identifiability, found["X2"].identifiability) == ("weakly", "weakly")
 
 
+def test_a_wrong_value_is_named_beside_unknown_constants_that_took_it_in():
+    """The log said 4.59 ± 0.015 kg·m, with the constants that the wrong value had made."""
+    found = exoid.identify(LEG, BOTH, TERMS, actuators=motors(), known={"X1": 1.1 * TRUTH["X1"]})
+    (one,) = found.findings
+    assert (one.kind, one.value) == ("contradicted-value", pytest.approx(TRUTH["X1"], rel=0.01))
+
+
+def test_of_two_values_that_set_an_unknown_constant_either_may_be_wrong():
+    found = exoid.identify(LEG, BOTH[:1], TERMS, actuators=motors(), known={"X2": 1.1 * TRUTH["X2"], "J2": TRUTH["J2"]})
+    (one,) = found.findings
+    assert {"X2", "J2"} <= {*one.parameters}
+
+
 def test_the_motor_whose_current_has_the_other_sign_is_named():
     """All constants of a leg turn on the way of the search where one has the wrong sign."""
     with pytest.raises(NotIdentifiableError) as caught:

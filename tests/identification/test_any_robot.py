@@ -16,6 +16,7 @@ from unchecked import identify
 import exoid
 from exoid import ExoidError
 from exoid.experiments.excitation import MotionLimits
+from exoid.identification.selection import select_terms
 from exoid.signals import ZeroPhase
 
 REPLICATES = 100 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 4
@@ -114,7 +115,11 @@ def test_speeds_of_a_slide_are_small(tmp_path):
     v = np.column_stack([0.03 * np.cos(2.0 * time) + 0.02 * np.cos(5.1 * time)])
     q = np.column_stack([0.015 * np.sin(2.0 * time) + 0.02 / 5.1 * np.sin(5.1 * time)])
     tau = 14.0 * np.tanh(v / 5e-4) + 20.0 * v + np.random.default_rng(0).normal(0.0, 0.1, v.shape)
-    estimate = exoid.identify(leg, exoid.Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names))
-    assert abs(estimate["c0_hip"].value - 14.0) < 0.2
-    assert estimate["c0_hip"].unit == "N"
+    log = exoid.Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)
+    plain, by_hand = (exoid.identify(leg, log, terms) for terms in (None, (exoid.Coulomb(), exoid.Viscous())))
+    chosen = select_terms(leg, log)
+    for estimate, within in ((plain, 0.2), (by_hand, 0.7), (chosen.estimate, 0.1)):
+        assert (estimate["c0_hip"].value, estimate["c0_hip"].unit) == (pytest.approx(14.0, abs=within), "N")
+    assert not plain.findings
+    assert " m/s" in chosen.joints[0].text
     assert np.isclose(MotionLimits.of(leg).upper, leg.limits.upper - 0.1 * np.deg2rad(3.0)).all()

@@ -47,6 +47,7 @@ class Joint:
         rotor: Inertia of the rotor, seen at the joint [kg·m²].
         spring: Stiffness between rotor and link [N·m/rad]; 0 if rigid.
         passive: Whether nothing drives it.
+        slides: Whether it is prismatic, in m, N and kg.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Joint:
     rotor: float
     spring: float = 0.0
     passive: bool = False
+    slides: bool = False
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,8 @@ class Machine:
         parts = [_link("root", root), *(_link(f"link_{j.name}", b) for j, b in zip(self.joints, bodies, strict=True))]
         parent = "root"
         for joint in self.joints:
-            parts.append(_urdf_joint(joint.name, "revolute", parent, f"link_{joint.name}", joint.offset, joint.axis))
+            kind = "prismatic" if joint.slides else "revolute"
+            parts.append(_urdf_joint(joint.name, kind, parent, f"link_{joint.name}", joint.offset, joint.axis))
             parent = f"link_{joint.name}"
         if self.tool is not None:
             parts += [_link("tool", self.tool), _urdf_joint("mount", "fixed", parent, "tool", self.end, None)]
@@ -143,7 +146,8 @@ class Machine:
         tree = tool
         for joint, body in zip(self.joints[::-1], bodies[::-1], strict=True):
             armature = 0.0 if joint.spring else joint.rotor
-            hinge = f'<joint name="{joint.name}" axis="{_row(joint.axis)}" armature="{armature!r}"/>'
+            kind = "slide" if joint.slides else "hinge"
+            hinge = f'<joint name="{joint.name}" type="{kind}" axis="{_row(joint.axis)}" armature="{armature!r}"/>'
             tree = f'<body name="link_{joint.name}" pos="{_row(joint.offset)}">{hinge}{_inertial(body)}{tree}</body>\n'
         free = '<freejoint name="base"/>' if self.floating else ""
         tree = f'<body name="root">{free}{_inertial(root)}{tree}</body>'
@@ -239,6 +243,18 @@ def draw(seed: int) -> Machine:
     kinds, end = pairs()[int(rng.integers(len(pairs())))], np.array([0.0, 0.0, -lengths[-2]])
     controller = str(rng.choice(CONTROLLERS))
     return Machine(seed, planar, floating, root, bodies, believed, tuple(joints), tool, end, controller, kinds, sensing)
+
+
+def with_slides(machine: Machine) -> Machine:
+    """Let every second joint slide, 0.1 m for each radian."""
+    joints = [*machine.joints]
+    for k, joint in enumerate(joints[::2]):
+        f = joint.friction
+        sizes = {name: 10.0 * getattr(f, name) for name in ("c0", "cs", "asymmetry")} | {"d": 100.0 * f.d}
+        speeds = {name: 0.1 * getattr(f, name) for name in ("vs", "width", "length")}
+        law = f._replace(**sizes, **speeds)
+        joints[2 * k] = replace(joint, slides=True, friction=law, rotor=100.0 * joint.rotor, spring=0.0)
+    return replace(machine, joints=tuple(joints), planar=False)
 
 
 def _draw_body(rng: np.random.Generator, mass: float, length: float) -> Body:

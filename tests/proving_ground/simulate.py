@@ -119,8 +119,8 @@ def simulate(machine: Machine, seconds: float, *, test: bool = False) -> Log:
 
 def _run(machine: Machine, ref: tuple[Array, Array, Array], *, test: bool) -> Truth:
     """Integrate; the torque of a step acts at its beginning, so that angles and torques are of one time."""
-    q_ref, v_ref, a_ref = ref
     plant, joints, count = Plant(machine), machine.joints, len(machine.joints)
+    q_ref, v_ref, a_ref = (x * np.where([j.slides for j in joints], 0.1, 1.0) for x in ref)
     model, data, links, dofs = plant.model, plant.data, plant.links, plant.link_dofs
     rotors, turns = plant.rotors, plant.rotor_dofs
     laws, rng = Laws([j.friction for j in joints]), np.random.default_rng([machine.seed, int(test), 7])

@@ -1,5 +1,7 @@
 """Rows made stretch by stretch give the estimate of rows made at once, whatever goes over them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from swings import TERMS, Swing
@@ -37,6 +39,17 @@ def short_stretches(monkeypatch):
         monkeypatch.setattr("exoid.identification.group_rows.KEPT_BYTES", 0)
 
     return shorten
+
+
+def test_fewer_rows_keep_the_torque_of_payloads():
+    payload = exoid.Payload("knee", 2.0, (0.0, 0.0, -0.2))
+    log = dataclasses.replace(SWING.recording(), payloads=(payload,))
+    group = Group("", TorqueModel(SWING.leg, TERMS), [log], ZeroPhase())
+    whole, few = rows_module.chain([*group.rows_of(0)]), group.decimated(0)
+    same = np.isin(whole.time, few.time)
+    assert 0 < len(few.time) < len(whole.time)
+    assert all(np.array_equal(x[same], few.of_samples[name]) for name, x in whole.of_samples.items())
+    assert few.known.any()
 
 
 SLOW = [pytest.mark.slow]

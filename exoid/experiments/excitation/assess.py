@@ -20,7 +20,7 @@ from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Preparation, Recording
 from exoid.torques import Term, TorqueModel
-from exoid.torques.catalog import SLIDE, terms_of, turning_joints
+from exoid.torques.catalog import radians, terms_of
 
 from .precision import Information, Precision, information_of, on_ground, supports_during
 from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states
@@ -107,7 +107,7 @@ def assess(
     recordings = [data] if isinstance(data, Recording) else list(data)
     if not recordings:
         raise BadArgumentError("no recordings to assess", remedy="pass at least one")
-    model, limits = TorqueModel(leg, terms_of(leg, terms)), limits or MotionLimits.of(leg)
+    model, limits = TorqueModel(leg, terms_of(terms)), limits or MotionLimits.of(leg)
     if stands := on_ground(model, recordings):
         # over random states on the supports of a log, with the least joint torques that hold them
         rng, tables = np.random.default_rng(0), []
@@ -173,7 +173,7 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
 
     units = position_units(leg)
     amplitude, tilt = np.deg2rad(15.0), np.deg2rad(25.0)  # of a swing, and of the torso [rad]
-    swing = np.minimum(amplitude * np.where(turning_joints(leg), 1.0, SLIDE), half)
+    swing = np.minimum(amplitude * radians(leg), half)
     ones: FloatArray = np.ones(n)
     shift: FloatArray = 1.0 + 0.23 * np.arange(n, dtype=np.float64)  # frequencies without a common period
     for j, name in enumerate(leg.joint_names):

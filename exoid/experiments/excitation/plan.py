@@ -157,7 +157,7 @@ def plan_excitation(
         raise BadArgumentError(
             f"{starts} starts, {len(tilts_deg)} tilts", remedy="request at least one start and one tilt"
         )
-    model, limits = TorqueModel(leg, terms_of(leg, terms)), limits or MotionLimits.of(leg)
+    model, limits = TorqueModel(leg, terms_of(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits)
     torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
     seconds, basis = series(duration / len(tilts_deg), rate, highest, 24)

@@ -138,7 +138,7 @@ def plan_stance(
     )
     recordings = tuple(_recording(plant, motion, rate) for motion in motions)
     found = assess(leg, recordings, terms, noise=noise, noise_bandwidth=noise_bandwidth, limits=allowed)
-    model = TorqueModel(leg, terms_of(leg, terms))
+    model = TorqueModel(leg, terms_of(terms))
     return StancePlan(
         model=model,
         plant=plant,

@@ -139,8 +139,7 @@ def _best(fit: Callable[..., MotionFit], moving: Sequence[Moving], values: Float
     best = first = fit(moving, values=values, spacing=max(0.04, finest), settled=ROUGHLY)  # [s]
     for ratio in (1.0 / LADDER, LADDER):
         here = first.spacing * ratio
-        # Largest knot spacing that is tried [s]
-        while finest <= here <= 0.64:
+        while finest <= here <= 0.64:  # largest knot spacing that is tried [s]
             found = fit(_on(moving, best), values=best.solution.values, spacing=here, settled=ROUGHLY)
             if not found.criterion < best.criterion:
                 break

@@ -187,8 +187,7 @@ class System(NamedTuple):
         self, rows: Sequence[BorderedRows], reduced: Sequence[ReducedSystem], covariance: FloatArray, levels: Levels
     ) -> FloatArray:
         """Degrees of freedom that angles and torques of each joint have lost to the fit, (2, n)."""
-        # The trace of a block of the hat matrix A is the mean of zᵀ A z over random signs z.
-        rng = np.random.default_rng(0)
+        rng = np.random.default_rng(0)  # a trace of the hat matrix A is the mean of zᵀ A z over random signs z
         n = len(levels.angle)
         probes, seen = [], []
         right = np.zeros((len(covariance), PROBES))

@@ -13,34 +13,37 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.least_squares import TINY
+from exoid.leg.leg import Leg
+from exoid.regression.least_squares import TINY, scaled_inverse
 from exoid.torques import Offset, TorqueModel
+from exoid.torques.catalog import turning_joints
 
 from .columns import Column
 from .evidence import Evidence
 from .kinds import Nuisance
-from .score import LARGE_GAIN, State
+from .score import State
 
 BLOCKS = 60
 """Blocks of all data."""
 
 
 class Change(NamedTuple):
-    """Another value of one number in consecutive rows."""
+    """Other values of m numbers in consecutive rows."""
 
-    rows: tuple[slice, ...]  # where it has the other value, in each part of the data
+    rows: tuple[slice, ...]  # where they have other values, in each part of the data
     when: str  # the same in words
     within: bool  # whether this begins in the midst of a recording
-    column: int = -1  # its column among those of parameters and faults
-    sign: float = 1.0  # of the column
+    columns: tuple[int, ...] = ()  # columns among those of parameters and faults, C of them
+    mix: tuple[tuple[float, ...], ...] = ()  # how these add up to the column of each number, m of (C,)
+    joint: int = -1  # index of the joint that carries the load that changes; −1 for another number
 
 
 def with_change(evidence: Evidence, change: Change) -> Evidence:
-    """Add the column of a change behind the others."""
+    """Add the columns of a change behind the others."""
 
     def added(table: FloatArray, rows: slice) -> FloatArray:
-        changed = np.zeros(table.shape[1])
-        changed[rows] = change.sign * table[change.column, rows]
+        changed = np.zeros((len(change.mix), table.shape[1]))
+        changed[:, rows] = np.array(change.mix) @ table[list(change.columns), rows]
         return np.insert(table, -1, changed, axis=0)
 
     tables = [[added(*one) for one in zip(of_joint, change.rows, strict=True)] for of_joint in evidence.tables]
@@ -48,74 +51,78 @@ def with_change(evidence: Evidence, change: Change) -> Evidence:
 
 
 def described(change: Change, evidence: Evidence, model: TorqueModel, columns: Sequence[Column]) -> Nuisance:
-    """Name a change, whose column is the last."""
-    count, last = len(evidence.fixed), evidence.factors[0].shape[1] - 2 - len(evidence.fixed)
-    if change.column < count:
-        joint = int(np.flatnonzero(model.acting[:, change.column])[-1])
-        unit, what = model.units[change.column], model.names[change.column]
+    """Name a change, whose columns are the last."""
+    count, names, last = len(evidence.fixed), model.leg.joint_names, evidence.factors[0].shape[1] - 1
+    own = tuple(range(last - count - len(change.mix), last - count))
+    if change.joint >= 0:
+        return Nuisance("wrong-load", names[change.joint], change.joint, "kg·m", own, change.when)
+    (column,) = change.columns
+    if column < count:
+        joint = int(np.flatnonzero(model.acting[:, column])[-1])
+        unit, what = model.units[column], model.names[column]
     else:
-        kind, joint, _ = columns[change.column - count]
+        kind, joint, _ = columns[column - count]
         if kind == "gains":
-            return Nuisance("change", "", -1, "1", (last,), f"{change.when}, the scale of all torques")
-        unit, what = ("1", "the scale of the torque") if kind == "gain" else ("rad", "the offset of the angle")
-        what = f"{what} of {model.leg.joint_names[joint]}"
-    return Nuisance("change", model.leg.joint_names[joint], joint, unit, (last,), f"{change.when}, {what}")
+            return Nuisance("change", "", -1, "1", own, f"{change.when}, the scale of all torques")
+        angle = "rad" if turning_joints(model.leg)[joint] else "m"
+        unit, what = ("1", "the scale of the torque") if kind == "gain" else (angle, "the offset of the angle")
+        what = f"{what} of {names[joint]}"
+    return Nuisance("change", names[joint], joint, unit, own, f"{change.when}, {what}")
 
 
-def find_change(state: State, model: TorqueModel, nuisances: Sequence[Column]) -> Change | None:
-    """Find the change of one number that is the least likely in noise, if it explains much."""
-    # Inertia changes with mass moments, which show better. Friction is compared, too: it is another one in the next
-    # recording, but what changes in the midst of one is the form of friction, which hardly moves other parameters.
-    count = len(model.names)
-    free = [k for k in state.evidence.free.tolist() if model.units[k] != "kg·m²"]
+def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) -> Iterator[Change]:
+    """Find the change of one number, and that of a load, that explain most beside the fitted columns, if it is much."""
+    # Mass moments change with a load. Friction is compared, too: it is another one in the next recording, but what
+    # changes in the midst of one is the form of friction, which hardly moves other parameters. It explains less than a
+    # tenth of the squared residuals.
+    count, rigid, fitted = len(model.names), len(model.leg.parameter_names), len(state.columns)
+    free = [k for k in state.evidence.free.tolist() if k >= rigid and model.units[k] != "kg·m²"]
     zeros = [count + k for k, one in enumerate(nuisances) if one.kind == "zero"]
     gains = [count + k for k, one in enumerate(nuisances) if one.kind in ("gain", "gains")]
-    carries = any(one.kind == "known" for one in nuisances)  # payloads, or measured wrenches
+    # what carries the scale of all, a payload or a measured wrench, is in few logs: there a small one moves all far
+    carries = any(one.kind == "known" for one in nuisances)
     offsets = {name for block in model.blocks if isinstance(block.term, Offset) for name in block.names}
-    moments = {k for k in free if k < len(model.leg.parameter_names)}
-    friction = {k for k in free if k not in moments and model.names[k] not in offsets}
-    found = [*_changes(state, [*free, *zeros, *gains], gains if carries else ())]
-    if not found:
-        return None
-    _, gain, best = max(found, key=lambda one: one[0])
-    if best.column in moments:  # a sensor that explains as much is likelier: its zero turns the mass moment
-        as_much = [one for one in found if one[2].column not in moments | friction and one[1] > gain - LARGE_GAIN]
-        best = max(as_much, key=lambda one: one[0])[2] if as_much else best
-    if best.within and best.column in friction:
-        return None
-    return best._replace(sign=-1.0) if best.column in zeros else best  # what an angle reads too much
-
-
-def _changes(state: State, columns: Sequence[int], scales: Sequence[int]) -> Iterator[tuple[float, float, Change]]:
-    """Test all changes, each beside the fitted columns: score² / variance, share that it explains, where it is much."""
-    # Other friction explains less than a tenth of the squared residuals. What carries the scale of all, such as a
-    # payload, is in few logs: there a small change moves all parameters far.
-    chosen = list(dict.fromkeys((*state.columns.tolist(), *columns)))
-    own = [chosen.index(k) for k in columns]
-    blocks, grams = _grams(state, [*chosen, -1])
-    fitted = len(state.columns)
-    residual = grams[:, :, -1] - grams[:, :, :fitted] @ state.solution  # Xᵀr and Zᵀr of each block
-    inverse, rss = state.pinv @ state.pinv.T, float(state.residual @ state.residual)
-    each = grams[:, :fitted, own], np.diagonal(grams, axis1=1, axis2=2)[:, own], residual[:, own]
-    # Xᵀz, zᵀz and zᵀr of all blocks before each
-    sums = [np.cumsum(np.insert(x, 0, 0.0, axis=0), axis=0) for x in each]
+    tested, loads = [*free, *zeros, *gains], _loads(model.leg)
+    blocks, grams = _grams(state, [*state.columns.tolist(), *tested, *range(rigid), -1])
+    own, one, rss = slice(fitted, -1), slice(len(tested)), max(float(state.residual @ state.residual), TINY)
+    residual = grams[:, own, -1] - grams[:, own, :fitted] @ state.solution  # Zᵀr of each block
+    of_one, of_load = list[tuple[float, Change]](), list[tuple[float, Change]]()
     for place, first, last in _places(state.evidence, blocks):
-        inside = np.zeros(len(blocks))
-        inside[first:last] = 1.0
-        crossed, size, score = (total[last] - total[first] for total in sums)
-        # z is the column of a number inside, and zero outside; X a is what the fitted columns explain of it
-        share = inverse @ crossed
-        information = size - np.sum(share * crossed, axis=0)
-        least = np.where(np.isin(columns, scales) & (not place.within), 0.0, 0.1)
-        much = (information > 0.01 * size) & (score**2 > least * rss * np.maximum(information, TINY))
-        for k in np.flatnonzero(much).tolist():
-            # variance of the score by those of the blocks, less the change
-            a, z = share[:, k], inside[:, None] * grams[:, :, own[k]]
-            across = z[:, :fitted] - grams[:, :fitted, :fitted] @ a
-            power = z[:, own[k]] - z[:, :fitted] @ a - across @ a
-            of_blocks = inside * residual[:, own[k]] - residual[:, :fitted] @ a - power * score[k] / information[k]
-            statistic = score[k] ** 2 / max(of_blocks @ of_blocks, TINY)
-            yield float(statistic), float(score[k] ** 2 / (information[k] * rss)), place._replace(column=columns[k])
+        inside, score = grams[first:last].sum(axis=0), residual[first:last].sum(axis=0)
+        # z is the column of a number inside, and zero outside; of ZᵀZ the fitted columns explain a share
+        share, whole = state.pinv @ state.pinv.T @ inside[:fitted, own], inside[own, own]
+        information = whole - inside[own, :fitted] @ share
+        shown = np.diag(information)[one] > 0.01 * np.diag(whole)[one]
+        gain = shown * score[one] ** 2 / np.maximum(np.diag(information)[one], TINY) / rss
+        least = np.where(np.isin(tested, gains) & (carries and not place.within), 0.0, 0.1)
+        for k in np.flatnonzero(shown & (gain > least)).tolist():
+            of_one.append((gain[k], place._replace(columns=(tested[k],), mix=((1.0,),))))
+        for joint, mix in enumerate(loads):
+            every = np.pad(mix, ((0, 0), (len(tested), 0)))
+            seen = every[np.diag(every @ whole @ every.T) > 0.0]
+            damped = seen @ information @ seen.T + 0.01 * np.diag(np.diag(seen @ whole @ seen.T))
+            explained = float(seen @ score @ scaled_inverse(damped) @ seen @ score) / rss
+            if explained > 0.1:
+                evidence = -0.5 * state.dof * np.log1p(-min(explained, 1.0 - 1e-12)) - len(seen) * np.log(state.dof)
+                load = place._replace(columns=tuple(range(rigid)), mix=tuple(map(tuple, mix.tolist())), joint=joint)
+                of_load.append((float(evidence), load))
+    for found in (of_one, of_load):
+        best = max(found, key=lambda one: one[0])[1] if found else None
+        if best is None or (best.within and best.columns[0] in free and model.names[best.columns[0]] not in offsets):
+            continue
+        yield best._replace(mix=((-1.0,),)) if best.columns[0] in zeros else best  # what an angle reads too much
+
+
+def _loads(leg: Leg) -> list[FloatArray]:
+    """Parameters by the mass of a load on each segment, its first moments, and one second moment about all axes."""
+    units = np.zeros((5, 10))
+    units[range(4), range(4)] = units[4, [4, 6, 9]] = 1.0
+    found = []
+    for link in leg.link_names:
+        bodies = np.zeros((5, len(leg.bodies), 10))
+        bodies[:, leg.bodies.index(link)] = units
+        found.append(np.array([leg.reduction.parameters(body.ravel()) for body in bodies]))
+    return found
 
 
 def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]], FloatArray]:

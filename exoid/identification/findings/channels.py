@@ -61,7 +61,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     rate = float((len(recording.time) - 1) / (recording.time[-1] - recording.time[0]))
     for k, joint in enumerate(recording.joint_names):
         angle = Channel(recording.time, rate, recording.q[:, k].copy(), recording.q, joint, "angle", "rad")
-        yield from frozen_angle(angle)
+        yield from (*frozen_angle(angle), *repeated_values(angle))
         if recording.tau is None or not driven[k] or len(time) < 2:
             continue
         torque = Channel(time, rate, recording.tau[inside, k].copy(), others, joint, "torque", "N·m")
@@ -143,34 +143,36 @@ def _frozen(channel: Channel, runs: Sequence[tuple[int, int]]) -> Iterator[Findi
     start, end = channel.time[first], channel.time[stop - 1]
     more = f" and {len(runs) - 1} other times" if len(runs) > 1 else ""
     share = count / len(channel.x)
-    message = (
-        f"the {channel.noun} keeps one value from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of the log) although "
-        "the leg moves: the channel froze"
-    )
+    message = f"the {channel.noun} keeps one value from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of the log) "
+    message += "although the leg moves: the channel froze"
     remedy = "use the part of the log before or after it (Recording.between, --start, --stop)"
     severity: Severity = "error" if share > 0.02 else "warning"
     yield Finding("stuck-channel", channel.joint, count / channel.rate, "s", severity, message, remedy)
 
 
 def repeated_values(channel: Channel) -> Iterator[Finding]:
-    """Find torques that repeat the sample before, as those of a slower bus do."""
+    """Find torques and angles that repeat the sample before, as those of a slower bus do."""
     steps, x = channel.steps, channel.x
     moved, smallest = steps[steps > 0.0], quantum(x)
     # steps of no quantum come by chance as often as those of one, up or down
     least = max(0.01, 1.5 * float(np.mean((steps > 0.0) & (steps < 1.5 * smallest))))
-    if np.mean(steps == 0.0) < least or len(moved) < 5 or smallest > 0.2 * float(np.median(moved)):
+    if np.mean(steps == 0.0) < least or len(moved) < 5:
         return
-    at_rail = np.isin(x[1:], (x.max(), x.min()))
-    long = np.zeros(len(steps), dtype=np.bool_)
+    counts, share_of = ~np.isin(x[1:], (x.max(), x.min())), 1.0  # not at a rail
     for run in channel.long_runs(FROZEN_TORQUE):
-        long[slice(*run)] = True
-    share = float(np.mean((steps == 0.0) & ~at_rail & ~long))
+        counts[slice(*run)] = False
+    if channel.noun == "angle":  # a joint comes to rest, and turns round, by small steps
+        start, length = runs_of(x)
+        ends, large = np.concatenate([[0.0], steps[start[1:] - 1], [0.0]]), 0.5 * float(np.median(moved))
+        counts &= np.repeat(np.minimum(ends[1:], ends[:-1]) > max(3.5 * smallest, large), length)[1:]
+        share_of = float(np.mean(counts))
+    elif smallest > 0.2 * float(np.median(moved)):
+        return
+    share = float(np.mean((steps == 0.0) & counts)) / max(share_of, 0.1)
     if share >= least:
-        message = (
-            f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor answers "
-            f"(about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is late by up to "
-            "a sample of the sensor"
-        )
+        message = f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor "
+        message += f"answers (about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is "
+        message += "late by up to a sample of the sensor"
         remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
         yield Finding("stale-samples", channel.joint, share, "1", "warning", message, remedy)
 
@@ -190,16 +192,13 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     odd &= deviation > 12.0 * quantum(x)
     if (odd & (x == 0.0)).sum() >= max(3, 0.002 * len(x)):
         share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
-        message = (
-            f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled with "
-            "zeros"
-        )
+        message = f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled "
+        message += "with zeros"
         remedy = "remove these samples, or write NaN where there is no value and interpolate short gaps"
         yield Finding("dropout", channel.joint, share, "1", "error", message, remedy)
         odd &= x != 0.0
     odd &= deviation > 5.0 * float(np.quantile(deviation, 0.95))
-    # A joint that jerks rings: the samples on both sides of a peak then have a part of it
-    ends = np.pad(x, 3, mode="edge")
+    ends = np.pad(x, 3, mode="edge")  # a joint that jerks rings: samples on both sides of a peak have a part of it
     level = 0.5 * (ends[:-6] + ends[6:])
     size, beside = x - level, [neighbour - level for neighbour in (ends[2:-4], ends[4:-2])]
     odd &= np.minimum(*(size * part for part in beside)) < 0.3 * size**2

@@ -17,6 +17,7 @@ from exoid.regression.least_squares import TINY
 from exoid.regression.row_data import Rows
 from exoid.signals import Poses, Recording
 from exoid.torques import TorqueModel
+from exoid.torques.catalog import turning_joints
 
 from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
@@ -67,6 +68,7 @@ def check_fit(fitted: FittedLeg) -> Checkup:
 def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> Iterator[Finding]:
     """Check the channels and times of recordings; no fit is needed."""
     recordings, closure = [one for one in data if isinstance(one, Recording)], model.leg.closure
+    turns = turning_joints(model.leg)
     for one in recordings:
         chosen = model.select(one)
         found: dict[tuple[str, str], Finding] = {}
@@ -78,11 +80,14 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
                 if key not in found or abs(finding.value) > abs(found[key].value):
                     found[key] = finding
         for (kind, joint), finding in found.items():
-            joints = list(range(len(model.acting)))
-            if joint and not kind.startswith("velocity") and "angle" not in finding.message:  # both couple the joints
+            joints, text = list(range(len(model.acting))), finding.message
+            if joint and not kind.startswith("velocity") and "angle" not in text:  # both couple the joints
                 joints = [chosen.joint_names.index(joint)]
+            slides = finding.unit == "rad" and joint and not turns[chosen.joint_names.index(joint)]
+            unit, text = ("m", text.replace(" mrad", " mm")) if slides else (finding.unit, text)
             doubtful = np.array(model.names)[model.acting[joints].any(axis=0)].tolist()
-            yield replace(finding, parameters=tuple(doubtful), recording=one.file_name if len(data) > 1 else "")
+            where = one.file_name if len(data) > 1 else ""
+            yield replace(finding, parameters=tuple(doubtful), recording=where, unit=unit, message=text)
     if len(recordings) > 1:
         yield from repeated_data([model.select(one) for one in recordings], model.names)
 
@@ -92,10 +97,11 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
     found, names = list[Finding](), fitted.model.names
     told = {names.index(name): x for name, x in fitted.told.items() if name in names}
     # friction of another form makes no body another one
+    # friction of another form makes no body another one
     friction = [k for k, one in enumerate(fitted.library.columns) if one.kind in (*FORMS, "sharpness", "reversals")]
     while told:
         # a grossly wrong value would hide in the residuals of a fit that keeps it
-        alone = {k: State.of(evidence, (*friction, k - len(names))).alone(k) for k in told}
+        alone = {k: State.of(evidence, (*friction, *fitted.library.free, k - len(names))).alone(k) for k in told}
         apart = {k: abs(x - told[k][0]) / np.hypot(std, max(told[k][1], TINY)) for k, (x, std) in alone.items()}
         k = max(told, key=lambda k: apart[k])
         (x, std), (value, _), unit = alone[k], told.pop(k), fitted.model.units[k]
@@ -104,12 +110,15 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
         if torque_shares(evidence.factors, [k], np.array([[x - value]]))[0] < 3e-3:
             continue  # nor is the torque of any joint changed by 0.3 %
         what = f"{names[k]} is told to be {value:.4g}, and by the log alone is {x:.4g} ± {std:.2g} {unit}"
+        # of two that say how large an unknown torque constant is, either may be wrong
+        rivals = [names[one] for one in told if apart[one] > 0.7 * apart[k]]
+        what += f"; another {' or '.join(rivals)} would explain this log about as well" if rivals else ""
         remedy = "leave it out of known= and prior=, or look for a scale, a zero or a load that makes the log say so"
         before, half, own = fitted.values, 2.0 * np.sqrt(np.diag(fitted.covariance)), np.arange(len(names)) == k
         fitted = fitted._replace(fixed=np.where(own, np.nan, fitted.fixed))
         evidence = gather(fitted, friction=True)
-        fitted = fitted._replace(values=State.of(evidence, ()).values)
-        moved = own | (in_half_widths(fitted.values - before, half) > DOUBTFUL_MOVE)
+        fitted = fitted._replace(values=State.of(evidence, fitted.library.free).values)
+        moved = own | np.isin(names, rivals) | (in_half_widths(fitted.values - before, half) > DOUBTFUL_MOVE)
         ends, doubtful = (x - 2.0 * std, x + 2.0 * std), tuple(np.array(names)[moved].tolist())
         found.append(Finding("contradicted-value", "", x, unit, "warning", what, remedy, ends, doubtful))
     return fitted, evidence, found

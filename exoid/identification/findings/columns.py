@@ -21,6 +21,7 @@ from exoid.leg.dynamics import gravity_torque, inverse_dynamics_slopes
 from exoid.leg.leg import Leg
 from exoid.signals.differentiation import difference
 from exoid.torques import Coulomb, Motion, TorqueModel
+from exoid.torques.catalog import radians
 
 from .arms import ArmShapes
 
@@ -50,8 +51,7 @@ class NuisanceColumns:
     rate: float  # sampling rate [Hz]
     speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
     moving: bool = True  # whether samples are a motion in time; False for poses
-    # moment arms of linear actuators, by the index of their joint
-    arms: Mapping[int, ArmShapes] = field(default_factory=dict)
+    arms: Mapping[int, ArmShapes] = field(default_factory=dict)  # of linear actuators, by the index of their joint
     # frequencies at which links ring on springs [Hz], 0 for none, joint by joint, as the first block of samples shows
     ringing: list[float] = field(default_factory=list)
     states: tuple[()] = ()  # the columns have no internal state
@@ -99,9 +99,11 @@ class _Point:
 
     def sign(self, sharper: float = 1.0) -> FloatArray:
         """Direction of the motion of each joint, over the width of Coulomb friction, 0.05 rad/s without it, (n, N)."""
-        terms = (term for term in self.of.model.terms if isinstance(term, Coulomb))
-        widths = (term.smoothing for term in terms if term.smoothing > 0.0)
-        return np.tanh(sharper * self.motion.v.T / next(widths, 0.05))
+        width = 0.05 * radians(self.of.model.leg)
+        for block in self.of.model.blocks:
+            if isinstance(block.term, Coulomb) and block.term.smoothing > 0.0:
+                width[list(block.joints)] = block.term.smoothing
+        return np.asarray(np.tanh(sharper * self.motion.v.T / width[:, None]))
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -110,8 +112,7 @@ class _Point:
         if not leg.limbs and leg.closure is None:
             slopes = inverse_dynamics_slopes(self.leg.model, motion.q, motion.v, motion.a)
             return np.ascontiguousarray(np.transpose(slopes, (0, 3, 2, 1)))
-        # Pinocchio's are slower for planar legs, and know no closed loops: differences of the regressor
-        samples, n = motion.q.shape
+        samples, n = motion.q.shape  # Pinocchio's are slower for planar legs, and know no closed loops
         several = Motion(*motion[:4]).rows(np.tile(np.arange(samples), 3 * n))
         for k, x in enumerate(several[:3]):
             for j in range(n):

@@ -9,6 +9,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.torques import Offset, Stiffness, TorqueModel
+from exoid.torques.catalog import SLIDE, turning_joints
 
 from .arms import ArmShapes
 from .columns import Column
@@ -36,6 +37,7 @@ class Nuisance(NamedTuple):
         least = KINDS[self.kind].least
         if least is None:
             return torque_share >= 3e-3  # of the joint's RMS torque
+        least *= SLIDE if self.kind == "angle-offset" and self.unit == "m" else 1.0
         return bool((np.abs(delta).max() if self.kind == "cross-talk" else np.linalg.norm(delta)) >= least)
 
 
@@ -54,6 +56,7 @@ class Kind(NamedTuple):
     def message(self, fault: Nuisance, x: float, delta: FloatArray) -> str:
         """Say what a fault is, with its value as reported and its coefficients."""
         millimetres = f"were {1e3 * x:.2g} mm elsewhere" if fault.unit == "m" else f"were off by {x:.2g} of the arm"
+        moments = ", ".join(f"{x:.3g}" for x in np.round(delta[1:4], 4) + 0.0)
         return self.text.format(
             joint=fault.joint,
             whose=f"the torque of {fault.joint}" if fault.joint else "the torque of all joints",
@@ -62,11 +65,13 @@ class Kind(NamedTuple):
             milli=1e3 * abs(x),
             percent=100.0 * x,
             size=100.0 * abs(x),
-            degrees=np.degrees(x),
+            degrees=f"{1e3 * x:.3g} mm" if fault.unit == "m" else f"{np.degrees(x):.3g}°",
+            unit=fault.unit,
             largest=np.abs(delta).max(),
             displaced=millimetres,
             of="" if fault.unit == "1" else f" {fault.unit}",
             sign=self.signs[int(x <= 0.0)],
+            load=f"{delta[0]:+.2g} kg with a moment of ({moments}) kg·m",
         )
 
 
@@ -96,7 +101,7 @@ KINDS = {
     ),
     "angle-offset": Kind(
         float(np.deg2rad(0.2)),
-        "the angle of {joint} reads {degrees:.3g}° too much: gravity and coupling have another phase",
+        "the angle of {joint} reads {degrees} too much: gravity and coupling have another phase",
         "set the zero of the encoder again, or add the offset to the logged angle",
         most=0.5,
         value=lambda delta: -delta,
@@ -110,8 +115,7 @@ KINDS = {
     ),
     "gravity-direction": Kind(
         float(np.deg2rad(0.2)),
-        "gravity is turned by {degrees:.3g}° against the model: the base is tilted, or the zero of the first angle is "
-        "wrong",
+        "gravity is turned by {degrees} against the model: the base is tilted, or the zero of the first angle is wrong",
         "level the base, or give its tilt: Recording(torso=TorsoMotion(pitch=...)); correct the lean of a rail in the "
         "URDF; calibrate the accelerometer of a moving base",
         most=0.5,
@@ -157,7 +161,7 @@ KINDS = {
     ),
     "torque-offset": Kind(
         None,
-        "the torque of {joint} reads {x:.3g} N·m too much at all times, which no term describes: the zero of its "
+        "the torque of {joint} reads {x:.3g} {unit} too much at all times, which no term describes: the zero of its "
         "sensor, or friction that differs between the directions",
         "add the term offset, or set the zero of the sensor again",
     ),
@@ -172,9 +176,15 @@ KINDS = {
         "look for what happened then, such as an encoder that slipped, a zero that was set again or a load; leave one "
         "part out, or give the parts as groups with own parameters",
     ),
+    "wrong-load": Kind(
+        None,
+        "{form}, the segment behind {joint} carries another load than the log says, by {load}",
+        "weigh what was added or taken off, measure its place, and state it (payloads=, --payload); an encoder whose "
+        "zero was set again looks alike",
+    ),
     "play": Kind(
         None,
-        "{joint} has play between its encoder and its link, {milli:.2g} mrad to each side of the middle",
+        "{joint} has play between its encoder and its link, {milli:.2g} m{unit} to each side of the middle",
         "take the play out of the gear, or log the angle of the link",
     ),
     "angle-ripple": Kind(
@@ -186,7 +196,7 @@ KINDS = {
     ),
     "elastic-joint": Kind(
         None,
-        "{joint} is elastic between its encoder and its link, which the model lacks: {x:.3g} N·m/rad",
+        "{joint} is elastic between its encoder and its link, which the model lacks: {x:.3g} {unit}",
         "subtract torque over stiffness from that angle, or log the angle of the link, too, and give the drive: "
         "exoid.actuators.SeriesElastic with the stiffness of the spring",
         value=lambda delta: 1.0 / delta,
@@ -220,8 +230,7 @@ class Library(NamedTuple):
 
     columns: tuple[Column, ...]  # K of them
     faults: tuple[Nuisance, ...]  # those that are tested
-    # columns that every test contains, so that sharp friction, or when it turns, is not taken for another fault
-    always: tuple[int, ...]
+    always: tuple[int, ...]  # columns of every test: sharp friction, or when it turns, is no other fault
     free: tuple[int, ...]  # columns that every fit contains: scales of torques whose constants were not known
     friction: tuple[int, ...]  # columns of friction of other forms
 
@@ -231,7 +240,7 @@ def library(
 ) -> Library:
     """List the faults that are tested; of known torques, of payloads or sensors, where there are any."""
     names, planar = model.leg.joint_names, model.leg.chain is not None
-    n, unbiased = len(names), without_offset(model)
+    n, unbiased, turns = len(names), without_offset(model), turning_joints(model.leg)
     few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
     columns: list[Column] = []
     faults: list[Nuisance] = []
@@ -265,7 +274,7 @@ def library(
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j), most=0.05))
-        for k, often in ((4, "four times"), (8, "eight times")):
+        for k, often in ((4, "four times"), (8, "eight times")) if turns[j] else ():
             waves = add("ripple", j, 2 * k, 2 * k + 1)
             faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))
         faults += [Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)) for kind in ("compliance", "ringing")]
@@ -282,5 +291,7 @@ def library(
         faults.append(Nuisance("gravity-direction", "", -1, "rad", (*add("gravity", 0), *add("gravity", 1))))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
+    in_metres = (one._replace(unit=one.unit.replace("N·m", "N").replace("rad", "m")) for one in faults)
+    faults = [one if one.place < 0 or turns[one.place] else slid for one, slid in zip(faults, in_metres, strict=True)]
     friction = tuple(k for k, column in enumerate(columns) if column.kind in FORMS)
     return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales), friction)

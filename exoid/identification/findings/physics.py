@@ -34,8 +34,7 @@ class CheckedFit(NamedTuple):
     below: NDArray[np.bool_]  # parameters that are negative although they cannot be, (P,)
     spread: FloatArray  # standard deviation of the torque [N·m], 0 for a joint without rows, (n,)
     nrmse: FloatArray  # RMS residual over that, (n,)
-    # correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion, (n,)
-    persistence: FloatArray
+    persistence: FloatArray  # correlation of neighbouring residuals, near 0 for noise of a sensor, (n,)
     residuals: list[FloatArray]  # of each recording, or zero for poses, (N, n) [N·m]
 
     @classmethod
@@ -108,14 +107,10 @@ def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
         looks = "as N·mm would be, or a current in mA times N·m per A"
     elif size < 1.0:
         looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-    message = (
-        f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias ask "
-        f"for, {looks}; the log alone cannot tell"
-    )
-    remedy = (
-        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
-        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
-    )
+    message = f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias "
+    message += f"ask for, {looks}; the log alone cannot tell"
+    remedy = "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+    remedy += "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
     # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit. The torques of
     # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
     severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
@@ -159,10 +154,8 @@ def impossible_leg(
         return
     away = f"{apart:.3g} standard deviations away"
     message = f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {away}"
-    remedy = (
-        "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs that the "
-        "model lacks also do this"
-    )
+    remedy = "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs "
+    remedy += "that the model lacks also do this"
     # but they make no mass negative: of a machine on a floating base, or of all links behind a prismatic joint
     K, of_masses = leg.reduction.collect, np.arange(leg.reduction.collect.shape[1]) % 10 == 0
     masses = (np.abs(K[:, ~of_masses]) < 1e-9).all(axis=1) & (K[:, of_masses] > -1e-9).all(axis=1)
@@ -211,10 +204,8 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
         if first == 0 and len(turns) > 1:
             kind, joint, value, remedy = "gravity-direction", "", -value, f"level the base, and {remedy}"
             reason = "the base is tilted by that, or the zero of the first angle is wrong"
-        message = (
-            f"mass moments of {behind} lie {abs(np.degrees(angle)):.3g}° from their directions in the URDF: {reason}, "
-            "or the URDF is wrong; the log alone cannot tell"
-        )
+        message = f"mass moments of {behind} lie {abs(np.degrees(angle)):.3g}° from their directions in the URDF: "
+        message += f"{reason}, or the URDF is wrong; the log alone cannot tell"
         yield Finding(kind, joint, value, "rad", "info", message, remedy, (value - 2.0 * error, value + 2.0 * error))
 
 

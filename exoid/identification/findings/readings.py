@@ -12,6 +12,8 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding
+from exoid.leg.leg import Leg
+from exoid.torques.catalog import radians, turning_joints
 
 from .evidence import Evidence, r_factor
 from .factors import driven_joints, fit_torques, torque_factors, torque_rows
@@ -39,9 +41,9 @@ class Reading(NamedTuple):
     value: float = 0.0  # factor of the logged values; 0 to report how many times smaller residuals become
 
 
-def readings(names: Sequence[str]) -> Iterator[Reading]:
+def readings(leg: Leg) -> Iterator[Reading]:
     """List readings of a log, the log as it is first, the likely before the far-fetched."""
-    n = len(names)
+    names, n = leg.joint_names, len(leg.joint_names)
     plain = Reading("", "", "", "", (1.0,) * n, (1.0,) * n, tuple(range(n)), tuple(range(n)))
     yield plain
 
@@ -83,8 +85,10 @@ def readings(names: Sequence[str]) -> Iterator[Reading]:
         yield plain._replace(kind="joint-order", message=text, remedy=remedy, torque_order=order)
     unit, remedy = float(np.pi / 180.0), 'read the log with angle_unit="deg" (--degrees), or convert the column'
     degrees = plain._replace(kind="angle-scale", remedy=remedy, value=1.0 / unit)
-    yield degrees._replace(message="all angles are degrees", angles=(unit,) * n)
-    for j, joint in enumerate(names if n > 1 else ()):
+    turning = np.flatnonzero(turning_joints(leg)).tolist()
+    if turning:
+        yield degrees._replace(message="all angles are degrees", angles=only(turning, unit))
+    for j, joint in ((j, names[j]) for j in turning if n > 1):
         yield degrees._replace(joint=joint, message=f"the angle of {joint} is in degrees", angles=only([j], unit))
 
 
@@ -118,10 +122,10 @@ def _best_reading(
     fitted: FittedLeg, as_logged: list[FloatArray], reference: float, *, angles: bool
 ) -> tuple[Reading | None, float]:
     """Reading that fits by far better, if any, and the misfit that another one would have to fall below."""
-    plain, *others = readings(fitted.model.leg.joint_names)
+    plain, *others = readings(fitted.model.leg)
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
     best, least = None, reference - share * np.log(FITS_BETTER)
-    spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0)  # [rad]
+    spans = np.max([np.ptp(one.q, axis=0) for one in fitted.data], axis=0) / radians(fitted.model.leg)
     names = fitted.model.leg.joint_names
     still = {name for name, span in zip(names, spans, strict=True) if span < STILL}
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}

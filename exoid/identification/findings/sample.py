@@ -19,6 +19,7 @@ from exoid.regression.rows import Prepared, chain, decimated, form_rows, prepare
 from exoid.signals import FiniteDifference, MovingAverage, Poses, Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.recording_data import change_samples
 from exoid.torques import Motion, TorqueModel
+from exoid.torques.catalog import radians
 from exoid.torques.payloads import payload_parameters
 
 from .arms import ArmShapes
@@ -36,12 +37,10 @@ class FittedLeg(NamedTuple):
     fixed: FloatArray  # known values of parameters, (P,); not a number where they are free
     values: FloatArray  # fitted parameters, (P,)
     covariance: FloatArray  # their covariance, (P, P)
-    # moment arms of linear actuators whose force was measured, by the index of their joint
-    arms: Mapping[int, ArmShapes] = MappingProxyType({})
+    arms: Mapping[int, ArmShapes] = MappingProxyType({})  # of linear actuators whose force was measured, by their joint
     # value and standard deviation, 0 for a known one, of parameters of which something was told beside the log
     told: Mapping[str, tuple[float, float]] = MappingProxyType({})
-    # joints of torque constants, or other constants that scale a torque, which were found beside the parameters
-    constants: Mapping[str, int] = MappingProxyType({})
+    constants: Mapping[str, int] = MappingProxyType({})  # joint of each constant that was found and scales a torque
 
     @property
     def library(self) -> Library:
@@ -151,7 +150,8 @@ def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:
     if not ready:
         raise errors[0]
     ranges = reduce(MotionRanges.joined, (MotionRanges.of(one.motion, one.inside) for _, one in ready))
-    alternatives = AlternativeFriction(fitted.values[: len(fitted.model.leg.parameter_names)], ranges.speed)
+    rigid = fitted.values[: len(fitted.model.leg.parameter_names)]
+    alternatives = AlternativeFriction(rigid, ranges.speed, radians(fitted.model.leg))
     rows = [_rows(fitted, one, prepared, [alternatives] if friction else []) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)

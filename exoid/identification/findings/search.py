@@ -16,7 +16,7 @@ from exoid.regression.least_squares import TINY, scaled_inverse
 from exoid.signals import Poses, Recording, without_torque_delay
 from exoid.signals.cutoff import noisier
 
-from .changes import BLOCKS, Change, described, find_change, with_change
+from .changes import BLOCKS, Change, described, find_changes, with_change
 from .evidence import Evidence, torque_shares
 from .kinds import KINDS, Library, Nuisance
 from .sample import FittedLeg, gather
@@ -60,12 +60,12 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
             state = beside.fit()
             friction = (*beside.staying(), *library.always, *library.friction)
             beside_friction = State.of(beside.evidence, friction, near=state)
-            change = find_change(beside_friction, fitted.model, library.columns)
-            if change is not None and change not in changes:
-                changes.append(change)
-                beside = beside._replace(evidence=with_change(beside.evidence, change))
-                candidates = (*candidates, described(change, beside.evidence, fitted.model, library.columns))
-                state = beside.fit(near=state)
+            for change in find_changes(beside_friction, fitted.model, library.columns):
+                if change not in changes:
+                    changes.append(change)
+                    beside = beside._replace(evidence=with_change(beside.evidence, change))
+                    candidates = (*candidates, described(change, beside.evidence, fitted.model, library.columns))
+                    state = beside.fit(near=state)
             likely = _likely(beside, state, candidates, limit)
             if not likely:
                 break
@@ -147,7 +147,7 @@ def _counts(score: Score, limit: float) -> bool:
     if score.nuisance.kind in ("elastic-joint", "play") and not 0.0 <= score.delta[0] <= score.nuisance.most:
         return False  # a link is not ahead of its load
     # a change is the best of those at all times
-    ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind == "change" else 1.0
+    ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind in ("change", "wrong-load") else 1.0
     least = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
     return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > least)
 
@@ -198,7 +198,9 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     likely.sort(key=lambda one: (plainly and one.nuisance.kind in ("unmodelled-force", "cross-talk"), -one.evidence))
     if likely and float(np.linalg.norm(likely[0].delta)) > likely[0].nuisance.most:
         return []  # something else is wrong, of which the columns know nothing
-    return [one for one in likely if abs(one.evidence - likely[0].evidence) < UNDECIDED]
+    # a load has more numbers than a zero: it stands beside one that explains no more
+    spare = [UNDECIDED + (len(one.delta) - 1) * np.log(one.dof) * (one.nuisance.kind == "wrong-load") for one in likely]
+    return [one for one, most in zip(likely, spare, strict=True) if abs(one.evidence - likely[0].evidence) < most]
 
 
 def _sized(beside: _Beside, full: State, fault: Nuisance) -> Fault | None:
@@ -318,7 +320,10 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
     names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
     for k, (one, is_doubtful) in enumerate(both):
         what, half, interval = one.nuisance, HALF_WIDTH * one.std, None
-        kind, value = KINDS[what.kind], float(np.linalg.norm(one.delta))
+        kind, value = (
+            KINDS[what.kind],
+            float(np.linalg.norm(one.delta[1:4] if what.kind == "wrong-load" else one.delta)),
+        )
         if len(one.delta) == 1:
             value, *ends = (kind.value(float(one.delta[0]) + error) for error in (0.0, -float(half[0]), float(half[0])))
             interval = (min(ends), max(ends))

@@ -148,9 +148,7 @@ def loop_gaps(closure: Closure, recording: Recording) -> Iterator[Finding]:
     for loop, gap in zip(closure.loops.loops, gaps.T, strict=True):
         size, scatter = float(np.sqrt(np.mean(gap**2))), float(np.std(gap))
         if size > 1e-3:  # [m]; encoders and play leave less
-            message = (
-                f"loop {loop.name} is open by {1e3 * size:.2g} mm at the measured angles of "
-                f"{', '.join(names[j] for j in measured)} ({1e3 * scatter:.1g} mm of it changes with the pose)"
-            )
+            message = f"loop {loop.name} is open by {1e3 * size:.2g} mm at the measured angles of "
+            message += f"{', '.join(names[j] for j in measured)} ({1e3 * scatter:.1g} mm of it changes with the pose)"
             remedy = "measure the points of the loop, and the zeros of these encoders; what changes may be play"
             yield Finding("loop-gap", "", size, "m", "warning", message, remedy)

@@ -15,6 +15,7 @@ from exoid.identification.identify import FitOptions, identify
 from exoid.leg.leg import Leg
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import Armature, Term
+from exoid.torques.catalog import radians
 
 from .held_out import held_out_errors
 from .patterns import ALWAYS, PLAIN, Columns, absent, terms_of, zeros_of
@@ -126,8 +127,9 @@ def _ends(search: Search, progress: Callable[[float], None]) -> list[tuple[Candi
 def _scored(search: Search, name: str, choice: Choice) -> Candidate:
     """Candidate with these friction models, and its errors on rows that are held out."""
     leg, friction, known = search.leg, list[Term](), dict[str, float]()
-    for columns, joint, label in zip(choice.columns, leg.joint_names, leg.joint_labels, strict=True):
-        friction += terms_of((*columns, *absent(columns)), joint)
+    each = zip(choice.columns, leg.joint_names, leg.joint_labels, radians(leg).tolist(), strict=True)
+    for columns, joint, label, radian in each:
+        friction += terms_of((*columns, *absent(columns)), joint, radian)
         zero = *zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))
         known |= dict.fromkeys(zero, 0.0)
     terms, delay = (*friction, Armature(), *search.beside), "auto" if search.late else None
@@ -146,16 +148,14 @@ def _scored(search: Search, name: str, choice: Choice) -> Candidate:
 
 def _faults(found: Found, estimate: Estimate) -> list[tuple[int, str]]:
     """Joint and symbol of each friction coefficient that drives, or that the recordings do not determine."""
-    # Of one joint only the least determined: without it, the others may be good.
-    at_fault = []
+    at_fault = []  # of one joint the least determined: without it, the others may be good
     figures = zip(estimate.values, estimate.std, estimate.identifiability, strict=True)
     numbers = dict(zip(estimate.names, figures, strict=True))
     for joint, (columns, label) in enumerate(zip(found.choice.columns, found.search.leg.joint_labels, strict=True)):
         faults: list[tuple[float, str]] = []
         for column in columns:
             value, std, judged = numbers[f"{column.symbol}_{label}"]
-            # A negative cs dissipates if c0 + cs does.
-            rest = numbers[f"c0_{label}"][0] if column.symbol == "cs" else 0.0
+            rest = numbers[f"c0_{label}"][0] if column.symbol == "cs" else 0.0  # c0 + cs is to dissipate
             drives = value + rest <= 0.0 and column.symbol != "offset"
             if drives or (judged == "not" and column.symbol not in ALWAYS):
                 faults.append((float((value if drives else abs(value)) / max(std, 1e-300)), column.symbol))

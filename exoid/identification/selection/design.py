@@ -15,10 +15,10 @@ from exoid._typing import FloatArray
 from exoid.regression.rows import Prepared, form_rows, prepare
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import JointMotion, Motion, Presliding, Term, TorqueModel
-from exoid.torques.catalog import USUAL
+from exoid.torques.catalog import USUAL, radians
 from exoid.torques.terms import SLOW
 
-from .patterns import Column, Columns
+from .patterns import Column, Columns, scaled
 
 
 class Design(NamedTuple):
@@ -94,14 +94,14 @@ def form_design(
     """Form the rows of a fit in one pass over the samples."""
     # No row is left out at reversals, unlike the default of a fit: only there does presliding differ from sharp
     # friction.
-    terms = [[(column.term, column.symbol) for column in of_joint] for of_joint in library]
+    unit, parts = radians(model.leg), list[Design]()
+    terms = [[(scaled(c.term, x), c.symbol) for c in of_one] for of_one, x in zip(library, unit.tolist(), strict=True)]
     wide, count = replace(model, extras=(_Library(terms, rigid),)), len(model.names)
     prepared = [prepare(wide, each, ZeroPhase(cutoff), stops=False) for each in recordings]
     step = max(1, -(-sum(len(each.rows) for each in prepared) // 8000))  # beyond so many rows, fewer are kept
-    parts: list[Design] = []
     for index, full in enumerate(prepared):
         each = full._replace(rows=full.rows[(len(full.rows) - 1) % step // 2 :: step])
-        of_recording = ~_rests(each)
+        of_recording = ~_rests(each, unit)
         for stretch in each.stretches():
             rows, where = form_rows(wide, each, stretch), slice(stretch.start, stretch.stop, stretch.step)
             moves, at = of_recording[where].T, np.full(len(stretch), index, dtype=np.intp)
@@ -124,10 +124,10 @@ def form_design(
     )
 
 
-def _rests(prepared: Prepared) -> NDArray[np.bool_]:
+def _rests(prepared: Prepared, unit: FloatArray) -> NDArray[np.bool_]:
     """Select samples at which a joint rests, slower than at a reversal for at least 0.3 s, (N, n)."""
     # What holds a joint at rest is anything between -c0 and c0: any form that fits it has learnt noise. That time was
     # chosen by seeds below 100 of the proving ground.
     v, count = prepared.motion.v, max(2, round(0.3 / float(np.median(np.diff(prepared.time)))))
-    slow = np.abs(v) <= np.minimum(USUAL.reversal_speed, SLOW * np.sqrt(np.mean(v**2, axis=0)))
+    slow = np.abs(v) <= np.minimum(USUAL.reversal_speed * unit, SLOW * np.sqrt(np.mean(v**2, axis=0)))
     return np.asarray(scipy.ndimage.binary_opening(slow, np.ones((count, 1), dtype=np.bool_)))

@@ -49,8 +49,7 @@ def fast_blocks(recordings: Sequence[Recording]) -> Blocks:
 
 def fold_of(blocks: Blocks, design: Design) -> Fold:
     """Apply a split of recordings in time to rows; rows within 0.1 s of tested ones are not fitted either."""
-    # A low-pass mixes neighbours.
-    near, tested = np.zeros((2, len(design.time)), dtype=np.bool_)
+    near, tested = np.zeros((2, len(design.time)), dtype=np.bool_)  # a low-pass mixes neighbours
     for index, of_one in enumerate(blocks):
         mine, time = design.recording == index, design.time
         for start, stop in of_one:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
-from exoid.torques.catalog import USUAL
+from exoid.torques.catalog import SLIDE, USUAL
 from exoid.torques.terms import DryFriction
 
 LOAD = ("mu", "mu_drive", "mu_back")
@@ -155,9 +155,16 @@ def patterns() -> tuple[Pattern, ...]:
     return tuple(sorted(found, key=lambda pattern: pattern.complexity))
 
 
-def terms_of(columns: Columns, joint: str) -> tuple[Term, ...]:
-    """Terms of a joint, in the order of their coefficients."""
-    return tuple(replace(term, joints=(joint,)) for term in dict.fromkeys(column.term for column in columns))
+def terms_of(columns: Columns, joint: str, radian: float = 1.0) -> tuple[Term, ...]:
+    """Terms of a joint, in the order of their coefficients, at what counts as a radian there."""
+    terms = dict.fromkeys(column.term for column in columns)
+    return tuple(replace(scaled(term, radian), joints=(joint,)) for term in terms)
+
+
+def scaled(term: Term, radian: float) -> Term:
+    """Term at what counts as a radian."""
+    names = "smoothing", "presliding", "reversal_speed", "velocity"
+    return replace(term, **{name: radian * getattr(term, name) for name in names if hasattr(term, name)})
 
 
 def absent(columns: Columns) -> Columns:
@@ -182,20 +189,23 @@ class JointFriction(NamedTuple):
     presliding: float  # presliding length [rad]; 0 for none
     smoothing: float  # velocity over which dry friction changes sign [rad/s]; 0 with presliding and without it
     stribeck_velocity: float  # [rad/s]; 0 for none
+    slides: bool = False  # whether it is prismatic, with m for rad
 
     @classmethod
-    def of(cls, joint: str, columns: Columns) -> JointFriction:
-        """Describe the friction of a joint."""
+    def of(cls, joint: str, columns: Columns, radian: float = 1.0) -> JointFriction:
+        """Describe the friction of a joint, at what counts as a radian there."""
         length, velocity = (max((getattr(c, name) for c in columns), default=0.0) for name in ("length", "velocity"))
         sharp = [c.smoothing for c in columns if c.symbol in DRY and not length]
-        return cls(joint, tuple(column.symbol for column in columns), length, max(sharp, default=0.0), velocity)
+        length, smoothing, velocity = (radian * x for x in (length, max(sharp, default=0.0), velocity))
+        return cls(joint, tuple(c.symbol for c in columns), length, smoothing, velocity, radian != 1.0)
 
     @property
     def text(self) -> str:
         """A few words, such as "c0, mu_back, presliding 0.65 mrad"."""
+        unit, usual = ("m", SLIDE * USUAL.smoothing) if self.slides else ("rad", USUAL.smoothing)
         settings = (
-            f"presliding {1e3 * self.presliding:.2g} mrad" if self.presliding else "",
-            f"smoothing {self.smoothing:.2g} rad/s" if self.smoothing not in (0.0, USUAL.smoothing) else "",
-            f"vs {self.stribeck_velocity:.2g} rad/s" if self.stribeck_velocity else "",
+            f"presliding {1e3 * self.presliding:.2g} m{unit}" if self.presliding else "",
+            f"smoothing {self.smoothing:.2g} {unit}/s" if self.smoothing not in (0.0, usual) else "",
+            f"vs {self.stribeck_velocity:.2g} {unit}/s" if self.stribeck_velocity else "",
         )
         return ", ".join([*self.coefficients, *filter(None, settings)]) or "none"

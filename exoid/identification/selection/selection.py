@@ -19,7 +19,7 @@ from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, ZeroPhase
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import Armature, Term
-from exoid.torques.catalog import TERMS, terms_of
+from exoid.torques.catalog import DEFAULT_TERMS, TERMS, radians
 
 from .by_joint import Candidate, select_by_joint
 from .patterns import JointFriction
@@ -84,6 +84,7 @@ class Selection:
         Returns:
             Scores of all candidates, and the choice.
         """
+        joints = [{**joint._asdict(), "coefficients": list(joint.coefficients)} for joint in self.joints]
         return {
             "cutoff": self.cutoff,
             "folds": self.folds,
@@ -91,7 +92,7 @@ class Selection:
             "chosen": self.candidate.name,
             "terms": [TERMS.to_json(term) for term in self.candidate.terms],
             "known": dict(self.candidate.known),
-            "joints": [{**joint._asdict(), "coefficients": list(joint.coefficients)} for joint in self.joints],
+            "joints": [{k: x for k, x in joint.items() if x is not False} for joint in joints],
             "warnings": list(self.warnings),
             "candidates": [candidate.to_json() for candidate in self.candidates],
         }
@@ -107,10 +108,8 @@ class Selection:
                 continue
             figures = (*one.nrmse, one.mean, one.fast)
             rows.append((name, str(one.numbers), *("" if np.isnan(figure) else f"{figure:.4f}" for figure in figures)))
-        title = (
-            f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
-            "fast: mean for the fastest 30 % of seconds, predicted from the others"
-        )
+        title = f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
+        title += "fast: mean for the fastest 30 % of seconds, predicted from the others"
         return to_text(
             "Friction that the recordings determine and that dissipates at every speed:",
             make_table(("joint", "friction"), [(joint.joint, joint.text) for joint in self.joints]),
@@ -182,10 +181,10 @@ def select_terms(
     with suppress(ExoidError):
         # One joint that is late, or torques that are early, may be friction of another form.
         how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
-        delays = identify(leg, several, (*terms_of(leg, None), *beside), **how).torque_delays
+        delays = identify(leg, several, (*DEFAULT_TERMS, *beside), **how).torque_delays
         late = dict(enumerate(delays.tolist())) if (delays > 0.0).all() else {}
     search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=problem.given.known)
     report = progress or (lambda share: None)
     candidates, chosen, columns, estimate = select_by_joint(search, report)
-    joints = tuple(JointFriction.of(*pair) for pair in zip(leg.joint_names, columns, strict=True))
+    joints = tuple(map(JointFriction.of, leg.joint_names, columns, radians(leg).tolist()))
     return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)

@@ -251,8 +251,7 @@ def _within_scatter(differences: FloatArray) -> bool:
 
 def _rests(base: BaseMotion, still: StandingBase, flags: NDArray[np.bool_], rate: float) -> list[list[FloatArray]]:
     """Differences of gyroscope and of accelerometer from a foot that is flat, and turns of level axes to the base."""
-    # of each rest, and of each piece of a long one: a foot that rocks leans otherwise in the next
-    assert still.pose is not None
+    assert still.pose is not None  # of each rest, and piece of a long one: a rocking foot leans otherwise in the next
     aside, flat = np.hsplit(base.columns - still.columns, 2), flags
     # a foot that rolls turns, and one that has tipped onto heel or toe leans, by so much [m/s²]: mostly it does neither
     for difference, width in zip(aside, (TURNING, 0.15), strict=True):

@@ -81,8 +81,7 @@ def split(
     tell: bool = True,
 ) -> Split:
     """Split a recording by the links that rest with an unknown wrench, and take errors of its IMU out."""
-    # Those of the session count where it tells none, or is not to tell them, as feet rock.
-    recording = recording.resampled()
+    recording = recording.resampled()  # those of the session where it tells none, as feet rock
     recording = replace(recording, wrenches=wrenches_on_links(leg, recording))
     recording, gaps = _without_gaps(recording)
     recording, closed_late = on_time(leg, recording)

@@ -44,6 +44,16 @@ def test_lost_messages_are_no_spikes_and_a_few_are_not_named(every, named):
     assert kinds(exoid.check(leg, far)) & {"dropout", "spikes"} == named
 
 
+def test_angles_of_a_slower_bus_repeat_and_those_of_a_coarse_encoder_do_not():
+    leg, log = clean()
+    held = dataclasses.replace(log, q=np.repeat(log.q[::4], 4, axis=0)[: len(log)])
+    found = [one for one in exoid.check(leg, held) if one.kind == "stale-samples"]
+    assert [one.joint for one in found] == list(leg.joint_names)
+    assert all(one.value == pytest.approx(0.75, abs=0.03) for one in found)
+    count = 2.0 * np.pi / 2**10  # hardly a count from sample to sample
+    assert "stale-samples" not in kinds(exoid.check(leg, dataclasses.replace(log, q=count * np.round(log.q / count))))
+
+
 def test_torques_that_do_not_count_may_be_anything():
     leg, log = clean()
     counts = (np.arange(len(log)) < 1000) | (np.arange(len(log)) > 1500)

@@ -1,5 +1,7 @@
 """Numbers that change while data are recorded: an encoder that slips, a sensor that is set again, a payload."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from loaded_legs import with_payloads
@@ -50,12 +52,26 @@ def test_one_log_of_several_differs_alone():
     assert finding.value == pytest.approx(2.0, rel=0.05)
 
 
-def test_a_payload_that_is_not_given_is_a_change_of_mass_moments():
+def test_a_payload_that_is_not_given_is_another_load_of_its_segment():
     leg, log = clean("cuhk")
     loaded = with_payloads(leg, [exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.2))])
     other = Swing(loaded, seconds=30.0, seed=2, smoothing=0.015).recording(v=None, a=None)
-    changes = [one for one in exoid.check(leg, [log, other]) if one.kind == "change"]
-    assert "kg·m" in {one.unit for one in changes}
+    found = of_kind(exoid.check(leg, [log, other]), "wrong-load")
+    assert (found.joint, found.value) == (leg.joint_names[1], pytest.approx(0.2, rel=0.05))
+    assert "+1 kg" in found.message
+    off = dataclasses.replace(other, payloads=(exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.15)),))
+    found = of_kind(exoid.check(leg, [log, off]), "wrong-load")  # 5 cm off its place
+    assert (found.joint, found.value) == (leg.joint_names[1], pytest.approx(0.05, rel=0.1))
+
+
+def test_a_payload_before_its_place_may_be_another_zero():
+    """It turns gravity as the knee's zero does: both are said, and the fault of the log is not told as another one."""
+    leg, log = clean("cuhk")
+    loaded = with_payloads(leg, [exoid.Payload(leg.joint_names[1], 2.0, (0.0, 0.0, -0.25))])
+    other = Swing(loaded, seconds=30.0, seed=2, smoothing=0.015).recording(v=None, a=None)
+    off = dataclasses.replace(other, payloads=(exoid.Payload(leg.joint_names[1], 2.0, (0.05, 0.0, -0.25)),))
+    found = [one for one in exoid.check(leg, [log, off]) if one.severity == "error"]
+    assert "wrong-load" in {one.kind for one in found} <= {"change", "wrong-load"}
 
 
 def test_steady_logs_of_other_motions_have_no_change():
