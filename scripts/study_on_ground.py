@@ -244,11 +244,14 @@ class Event(NamedTuple):
     faults: Faults = Faults()
     friction: float = 0.8  # coefficient of friction of the ground
     requests: Mapping[float, str] = MappingProxyType({})  # beside those of the study, by time [s]
+    missed: float = 0.0  # height by which the ground is not where it is planned, from the second step on [m]
 
     @classmethod
-    def drawn(cls, names: Sequence[str], functions: Sequence[str], rng: np.random.Generator) -> Event:
+    def drawn(cls, names: Sequence[str], functions: Sequence[str], rng: np.random.Generator, *, walks: bool) -> Event:
         """Draw one, from 0.3 s on."""
-        name, when = str(rng.choice(EVENTS)), float(rng.uniform(0.3, 2.5))
+        name, when = str(rng.choice(EVENTS if walks else EVENTS[:-1])), float(rng.uniform(0.3, 2.5))
+        if name == "missed step":
+            return cls(name, missed=float(rng.choice((-1.0, 1.0)) * rng.uniform(0.01, 0.03)))
         if name == "slippery ground":
             return cls(name, friction=float(rng.uniform(0.1, 0.4)))
         if name == "request in between":
@@ -259,8 +262,8 @@ class Event(NamedTuple):
 SUNK = 500.0
 """Distance of a joint from where support ended from which the machine has sunk or fallen [mrad]."""
 
-EVENTS = ("frozen joint", "frozen pitch", "slippery ground", "request in between")
-"""Names of planted events."""
+EVENTS = ("frozen joint", "frozen pitch", "slippery ground", "request in between", "missed step")
+"""Names of planted events; the last one is of walks alone."""
 
 NOTHING = Event()
 
@@ -275,11 +278,14 @@ def walked(
     """Take four steps and stand, balanced by the law alone; the wearer is paralysed."""
     steps = WALKS[name]
     functions = stepping(truth, steps)
-    L, climb, blocks, floor = steps.length, steps.climb, tuple[Block, ...](), 0.0
+    L, climb, off, blocks, floor = steps.length, steps.climb, event.missed, tuple[Block, ...](), 0.0
     if climb > 0.0:
-        blocks = tuple(Block((j - 0.5) * L, 20.0 * L, j * climb) for j in range(1, 8))
+        blocks = tuple(Block((j - 0.5) * L, 20.0 * L, j * climb + (j > 1) * off) for j in range(1, 8))
     elif climb < 0.0:
-        blocks, floor = tuple(Block(-2.0, (j + 0.5) * L, (j - 8) * climb) for j in range(8)), -8.0 * climb
+        blocks = tuple(Block(-2.0, (j + 0.5) * L, (j - 8) * climb + (j > 1) * off) for j in range(8))
+        floor = -8.0 * climb
+    elif off:
+        blocks, floor = (Block(1.5 * L, 20.0 * L, off) if off > 0.0 else Block(-2.0, 1.5 * L, -off),), max(0.0, -off)
     where = replace(truth, blocks=blocks, ground_lean=steps.slope, ground_friction=event.friction)
     x, z, pitch = functions["stand"].torso[0]
     place = np.exp(-1j * steps.slope) * (x + 1j * z) + 1j * (floor + 5e-4)  # in the axes of the ground
@@ -376,11 +382,10 @@ def judged(
     )
     error = np.sqrt(np.mean((run.q - planned) ** 2))
     held = 0.0 if rail is None else np.linalg.norm(run.wrenches[plant.root_link].force, axis=1).max()
-    every = round(BLOCK * RATES.control)
-    rows = np.array(loop.told[-len(run.time) :])[every - 1 :: every]
+    rows, each = np.array(loop.told[-len(run.time) :]), replace(loop.contacts, rate=1.0 / BLOCK)  # a row a sample
     episode, belief = Episode(function, run, 0.0 * run.time, run.q), Belief(rows, np.zeros(0))
-    right, sure = _judge(loop.contacts, episode, belief)
-    late = _delays(loop.contacts, episode, belief)
+    right, sure = _judge(each, episode, belief)
+    late = _delays(each, episode, belief)
     wrong = 100.0 * float(np.mean(~right[sure]))
     delay = 1e3 * float(np.quantile(late, 0.95)) if late else np.nan
     knees = [limb.joints.start + 1 for limb in plant.leg.limbs]
@@ -495,9 +500,8 @@ def planted(machine: str, seed: int, count: int, only: str | None = None) -> lis
     for _ in range(count):
         name = str(rng.choice(("rise", "sit", "squat", "step", *walks)))
         known = ("stand", "squat", "step") if name in ("squat", "step") else ("stand", "rise", "sit", "walk")
-        event = Event.drawn(
-            truth.leg.joint_names, ("first step", "steps", "last step") if name in WALKS else known, rng
-        )
+        known = ("first step", "steps", "last step") if name in WALKS else known
+        event = Event.drawn(truth.leg.joint_names, known, rng, walks=name in WALKS)
         if only not in (None, event.name):
             continue
         case = walked(truth, model, name, seed, event) if name in WALKS else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,11 +15,22 @@ from exoid.tools.numbers import checked
 from .law import AnyLaw, Memory, State, sound, spread, stateful
 
 
-class LimitedMemory(NamedTuple):
-    """Memory of limits around a controller: that of the controller itself is ``law``."""
-
-    law: Memory
-    last: FloatArray  # last command [N·m], (n,) or (n, B); zero at first
+def bounded(
+    wanted: FloatArray,
+    last: FloatArray | float,
+    most: FloatArray,
+    fastest: FloatArray,
+    dt: float,
+    jerk: FloatArray | float = np.inf,
+    slope: FloatArray | float = 0.0,
+) -> tuple[FloatArray, FloatArray]:
+    """Torque after dt within ± ``most``, and its rate, within ± ``fastest``, which changes by ``jerk`` dt at most."""
+    error = np.clip(wanted, -most, most) - last
+    # the rate is √(jerk |error|) at most, so that the torque can stop at its aim
+    fastest = np.minimum(fastest, np.sqrt(jerk * np.maximum(np.abs(error), 1e-300)))
+    rate = np.clip(np.clip(error / dt, -fastest, fastest), slope - jerk * dt, slope + jerk * dt)
+    torque = last + rate * dt
+    return np.clip(torque, -most, most), np.where(np.abs(torque) > most, 0.0, rate)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,18 +69,18 @@ class Limited:
         """Sampling rate [Hz]."""
         return self.law.rate
 
-    def begin(self, state: State) -> LimitedMemory:
+    def begin(self, state: State) -> Memory:
         """Compute the memory before the first sample.
 
         Args:
             state: First measured state.
 
         Returns:
-            Memory of the other controller, and no torque.
+            Memory of the other controller, and the last torque, which is zero.
         """
-        return LimitedMemory(stateful(self.law).begin(state), np.zeros(np.shape(state.q)))
+        return stateful(self.law).begin(state), np.zeros(np.shape(state.q))
 
-    def step(self, memory: LimitedMemory, state: State, target: Target) -> tuple[FloatArray, LimitedMemory]:
+    def step(self, memory: Memory, state: State, target: Target) -> tuple[FloatArray, Memory]:
         """Compute the torque within the limits, and the next memory.
 
         Args:
@@ -81,14 +91,14 @@ class Limited:
         Returns:
             Torque [N·m], (n,), and memory.
         """
-        last = memory.last if state.last is None else state.last
+        inner, last = memory
+        last = last if state.last is None else state.last
         state = state._replace(last=last)
-        torque, inner = stateful(self.law).step(memory.law, state, target)
+        torque, inner = stateful(self.law).step(inner, state, target)
         sound(torque - last, state)
-        change = spread(np.asarray(self.slew), torque) / self.rate
-        limit = spread(np.asarray(self.limit), torque)
-        torque = np.clip(np.clip(torque, last - change, last + change), -limit, limit)
-        return torque, LimitedMemory(inner, torque)
+        limit, slew = (spread(np.asarray(x), torque) for x in (self.limit, self.slew))
+        torque, _ = bounded(torque, last, limit, slew, 1.0 / self.rate)
+        return torque, (inner, torque)
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C.

@@ -21,16 +21,6 @@ from .friction import FrictionCompensation, refuse_desired
 from .law import State, refuse_rate, sound, spread
 from .model import ControlModel, ModelSource
 
-MEMORY = {
-    "q": "filtered angles [rad]",
-    "rate": "their rate of change [rad/s]",
-    "v": "filtered velocities [rad/s]",
-    "a": "their rate of change: accelerations [rad/s^2]",
-    "q_read": "last reading of the angles [rad]",
-    "v_read": "last reading of the velocities [rad/s]",
-}
-"""Memory of the motion filter in C."""
-
 WHOLE = FrictionCompensation(drives=False)
 """All of the model's friction, of which the controller takes the share 1 − 1/α."""
 
@@ -168,7 +158,14 @@ class SensitivityAmplification:
                 "filter_wz": (-decay * one.pole * step, "-exp(-lambda T) lambda^2 T [1/s]"),
                 "filter_ww": (decay * (1.0 - step), "exp(-lambda T) (1 - lambda T)"),
             },
-            memory=MEMORY,
+            memory={  # of the motion filter
+                "q": "filtered angles [rad]",
+                "rate": "their rate of change [rad/s]",
+                "v": "filtered velocities [rad/s]",
+                "a": "their rate of change: accelerations [rad/s^2]",
+                "q_read": "last reading of the angles [rad]",
+                "v_read": "last reading of the velocities [rad/s]",
+            },
             begin=step_of("sensitivity_amplification_begin"),
             measured="state->v",
         )

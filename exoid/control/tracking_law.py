@@ -37,8 +37,6 @@ class Feedforward(NamedTuple):
     damping: Callable[[TrackingLaw, FloatArray], FloatArray | None] = lambda law, kd: kd
 
 
-FEEDBACK = "{{p}}_kp[j] * (in->q_d[j] - in->q[j]) + {{p}}_kd[j] * (in->v_d[j] - in->v[j])"
-
 INVERSE_DYNAMICS = """\
     {{real}} friction[{{N}}];
     {{p}}_inverse_dynamics(in->q_d, in->v_d, in->a_d, tau);
@@ -206,7 +204,8 @@ class TrackingLaw:
         kp, kd = (gain if full else for_joints(gain, n, name) for gain, name in ((self.kp, "kp"), (self.kd, "kd")))
         numbers = [np.hstack([kp, kd])] if full else [kp, kd]
         tables = {name: (gain, what) for (name, what), gain in zip(kind.gains.items(), numbers, strict=False)}
-        step = kind.step.replace("{{feedback}}", FEEDBACK)
+        feedback = "{{p}}_kp[j] * (in->q_d[j] - in->q[j]) + {{p}}_kd[j] * (in->v_d[j] - in->v[j])"
+        step = kind.step.replace("{{feedback}}", feedback)
         if self.model is None:
             arrays = tuple(ArrayInC(name, what, gain) for name, (gain, what) in tables.items())
             joints = tuple(f"joint {k}" for k in range(n))

@@ -39,9 +39,6 @@ def test_every_function_is_within_the_limits_of_the_machine_and_has_a_foot_on_th
     q = joint_angles(leg, function.flexion)
     assert ((q >= leg.limits.lower) & (q <= leg.limits.upper)).all()
     assert all(contacts & {*SIDES} for _, contacts in function.contacts)
-    assert function.near(0.0, function.flexion[0] + 0.4)
-    assert function.near(1.0, function.flexion[-1])
-    assert not function.near(0.0, function.flexion[0] + 0.6)
 
 
 @pytest.mark.parametrize("name", ["stand", "sit", "rise", "stairs up", "stairs down"])

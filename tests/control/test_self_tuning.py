@@ -51,7 +51,7 @@ def test_before_it_learns_the_torque_is_the_feedforward_of_the_estimate():
     memory = limited.begin(state)
     for _ in range(2):
         _, memory = limited.step(memory, state, aim)
-    assert np.abs(memory.law.before[2]).max() == 3.0
+    assert np.abs(memory[0].before[2]).max() == 3.0
 
 
 def test_a_payload_is_found_and_the_mass_matrix_stays_positive_definite():

@@ -61,7 +61,7 @@ def test_limits_act_on_a_law_with_memory_throughout_a_run():
     memory = law.begin(REST)
     torque, memory = law.step(memory, REST._replace(last=np.array([1.9, -0.1])), AIM)
     np.testing.assert_allclose(torque, [2.0, -0.6])  # 6 and −4 N·m wanted
-    np.testing.assert_allclose(memory.law.total, AIM.q / 100.0)
+    np.testing.assert_allclose(memory[0].total, AIM.q / 100.0)
     for k in range(2):  # without state.last the limits, and the law inside, know the last command all the same
         torque, memory = law.step(memory, REST, AIM)
         np.testing.assert_allclose(torque, [2.0, -1.1 - 0.5 * k])

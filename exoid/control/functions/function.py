@@ -55,18 +55,6 @@ class Function:
                 remedy=f"give finite angles at {rows} phases, and contacts in order from phase 0",
             )
 
-    def near(self, phase: float, flexion: FloatArray) -> bool:
-        """Tell whether a posture is near that at a phase; with the contacts the condition of entry at 0, of exit at 1.
-
-        Args:
-            phase: Phase, 0 to 1.
-            flexion: Flexion of both legs [rad], (2, 3).
-
-        Returns:
-            Whether each angle is within ``room`` of the trajectory.
-        """
-        return bool((np.abs(flexion - self.flexion[round(phase * (len(PHASE) - 1))]) <= self.room).all())
-
     def expected(self, phase: float) -> Contacts:
         """Look up the contacts that the function expects.
 

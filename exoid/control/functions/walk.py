@@ -19,13 +19,9 @@ from .function import PHASE, Function
 
 def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArray:
     """Tabulate hip, knee and ankle over a stride from heel contact, flexion at :data:`PHASE` [rad], (K, 3)."""
-    published = reference == "healthy"
-    flexion = healthy_flexion(PHASE[:-1], scale) if published else _csv_stride(Path(reference), scale)
-    return np.vstack([flexion, flexion[:1]])
-
-
-def _csv_stride(path: Path, scale: float) -> FloatArray:
-    """Read a stride from a CSV file, without the last phase."""
+    if reference == "healthy":
+        return healthy_flexion(PHASE % 1.0, scale)
+    path = Path(reference)
     try:
         table = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
         column = {name: np.atleast_1d(table[name]) for name in table.dtype.names or ()}  # type: ignore[call-overload]
@@ -47,8 +43,9 @@ def _csv_stride(path: Path, scale: float) -> FloatArray:
         )
     again = slice(0, -1) if phase[-1] - phase[0] > 1.0 - 1e-6 else slice(None)  # the last row may be the first one
     t, x = np.append(phase[again], phase[0] + 1.0), np.vstack([angles[again], angles[:1]])
-    found = scipy.interpolate.CubicSpline(t, x, bc_type="periodic")(t[0] + (PHASE[:-1] - t[0]) % 1.0)
-    return np.asarray(found.mean(axis=0) + scale * (found - found.mean(axis=0)))
+    found = scipy.interpolate.CubicSpline(t, x, bc_type="periodic")(t[0] + (PHASE - t[0]) % 1.0)
+    mean = found[:-1].mean(axis=0)
+    return np.asarray(mean + scale * (found - mean))
 
 
 def walk(

@@ -10,6 +10,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.control.functions import PHASE, SEAT, SIDES, Contacts, Function, minimum_jerk
+from exoid.control.limited import bounded
 from exoid.errors import BadArgumentError, nearest
 from exoid.tools.numbers import checked
 
@@ -87,7 +88,7 @@ class CoordinatorMemory:
     waiting: float = 0.0  # time since the request [s]
     loaded: dict[str, float] = field(default_factory=dict)  # course of the share of each contact, 0 to 1
     torque: FloatArray | None = None  # last torque [N·m], (n,)
-    slope: FloatArray | None = None  # its rate [N·m/s], (n,)
+    slope: FloatArray | float = 0.0  # its rate [N·m/s], (n,)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -147,6 +148,7 @@ class Coordinator:
         request: str | None = None,
         *,
         lost: bool = False,
+        broken: bool = False,
     ) -> Decision:
         """Decide at a sample.
 
@@ -156,6 +158,8 @@ class Coordinator:
             flexion: Flexion of both legs [rad], (2, 3).
             request: Function that the wearer asks for; None for nothing new.
             lost: Whether the footing is lost, so that joints are damped and :data:`SAFE` follows.
+            broken: Whether a reading is made up from others: :data:`SAFE` follows where the function would lift a
+                foot; it has support, and lasts until the reading is back.
 
         Returns:
             The decision.
@@ -173,19 +177,19 @@ class Coordinator:
         dt, best = 1.0 / self.rate, max(probability, key=lambda each: probability[each], default=frozenset[str]())
         known = probability.get(best, 0.0) > CERTAIN
         memory.settled = memory.settled + dt if known and best == memory.known else 0.0
-        if known:
-            memory.known, memory.since_known = best, 0.0
-        else:
-            memory.since_known += dt
-        if lost:
-            memory.settled, memory.lost, memory.fell = 0.0, RESTS, True
-            self._enter(memory, SAFE)
+        memory.known, memory.since_known = (best, 0.0) if known else (memory.known, memory.since_known + dt)
+        memory.lost, memory.fell = RESTS if lost else memory.lost, memory.fell or lost
+        if lost or broken:
+            # with a made-up reading no foot leaves the ground: what keeps both there comes to its end
+            memory.settled, runs = 0.0, self.functions.get(memory.function)
+            if lost or runs is None or any({*SIDES} - each for _, each in runs.contacts):
+                self._enter(memory, SAFE)
         self._advance(memory, best if known else None, flexion, request, dt)
         memory.lost = max(memory.lost - dt, 0.0)
         # a leg that may be in the air bears nothing, whatever the last state was
         held = memory.since_known < KEEPS
         doubt = held and not known
-        total = max(sum(probability.values()), 1e-9) if doubt else 1.0  # a jolt makes all sets less probable alike
+        total = max(sum(probability.values()), 1e-99) if doubt else 1.0  # a jolt makes all sets less probable alike
         bears = {name: sum(p for each, p in probability.items() if name in each) / total for name in (*SIDES, SEAT)}
         planned, leaving = memory.known, frozenset[str]()
         if memory.function != SAFE:
@@ -227,10 +231,7 @@ class Coordinator:
         return {function.expected(memory.phase + way / function.duration) for way in (-0.3, 0.0, 0.3)}
 
     def bound(self, memory: CoordinatorMemory, wanted: FloatArray, v: FloatArray) -> FloatArray:
-        """Bound torque and power, and rate and jerk of the torque.
-
-        The rate is √(jerk |error|) at most, so that the torque can stop at its aim. Limits of torque and power come
-        before those of rate and jerk.
+        """Bound torque and power, and rate and jerk of the torque. Torque and power come before rate and jerk.
 
         Args:
             memory: Memory, which this changes.
@@ -240,17 +241,10 @@ class Coordinator:
         Returns:
             Torque within the bounds [N·m], (n,).
         """
-        dt, most = 1.0 / self.rate, np.fmin(self.limit, self.power / np.maximum(np.abs(v), 1e-6))
-        aim = np.clip(np.nan_to_num(wanted, nan=0.0, posinf=0.0, neginf=0.0), -most, most)
-        fastest = 2.0 * self.limit / RISES
-        jerk = fastest / JERKS
-        last = np.zeros_like(aim) if memory.torque is None else memory.torque
-        slope = np.zeros_like(aim) if memory.slope is None else memory.slope
-        error = aim - last
-        goal = np.sign(error) * np.minimum(np.minimum(fastest, np.sqrt(jerk * np.abs(error))), np.abs(error) / dt)
-        slope = slope + np.clip(goal - slope, -jerk * dt, jerk * dt)
-        memory.torque = np.clip(last + slope * dt, -most, most)
-        memory.slope = np.where(np.abs(last + slope * dt) > most, 0.0, slope)
+        aim = np.nan_to_num(wanted, nan=0.0, posinf=0.0, neginf=0.0)
+        most, fastest = np.fmin(self.limit, self.power / np.maximum(np.abs(v), 1e-6)), 2.0 * self.limit / RISES
+        last, bounds = 0.0 if memory.torque is None else memory.torque, (most, fastest, 1.0 / self.rate)
+        memory.torque, memory.slope = bounded(aim, last, *bounds, fastest / JERKS, memory.slope)
         return memory.torque
 
     def _advance(
@@ -286,7 +280,7 @@ class Coordinator:
             # a stride begins from standing on both feet
             begins = frozenset(SIDES) if then.cyclic else then.expected(0.0)
             may = asked if rule.condition == "request" else rule.condition == "end" and ended
-            if may and contacts == begins and then.near(0.0, flexion):
+            if may and contacts == begins and np.abs(then.flexion[0] - flexion).max() <= then.room:
                 self._enter(memory, rule.then)
                 return
 

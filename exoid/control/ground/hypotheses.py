@@ -319,6 +319,15 @@ class ContactFilter:
             out.append(y[ends])
         return out[0], out[1], out[2]
 
+    def amend(self, memory: Memory, missed: FloatArray) -> None:
+        """Add to the low-passes what angles and rates that froze have missed, (n + 3,), as if it had grown steadily."""
+        for sos, states in zip(self._filters, memory.channels or (), strict=False):
+            for k in np.flatnonzero(missed[: states.shape[2]]):
+                joint = k < len(self.model.leg.joint_names)
+                count = 1 if memory.still is None else int(memory.still[k if joint else -1])
+                grown = np.linspace(0.0, missed[k], count + 1)[1:]
+                states[:, :, k] += scipy.signal.sosfilt(sos, grown, zi=np.zeros((len(sos), 2)))[1]
+
     def _still(self, memory: Memory, readings: ContactReadings) -> NDArray[np.intp]:
         """Samples for which each angle, torque and the gyroscope has not changed at all, at each sample, (N, C)."""
         spin = readings.gyro @ self.model.leg.plane.lateral  # all that a planar machine turns
@@ -357,15 +366,16 @@ class ContactFilter:
         S[:, range(b + n), range(b + n)] += spread
         L = np.linalg.cholesky(S)
         white = np.asarray(np.linalg.solve(L, e[..., None]), np.float64)  # (K, R, 1)
-        columns = {link: self._columns(q, link) for link in self.soles}
+        # columns Jᵀ P^½ of the wrench on each sole about its middle, (K, R, 3); a point has a small moment
+        J = {link: self.axes[link] @ leg.frame_jacobian(q, link, sole.centre) for link, sole in self.soles.items()}
+        columns = {link: np.swapaxes(each, 1, 2) * self._prior for link, each in J.items()}
         loads = {link: np.asarray(np.linalg.solve(L, each), np.float64) for link, each in columns.items()}
         up = np.column_stack([base.specific_force @ leg.plane.forward, base.specific_force @ leg.plane.up])
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1.0)
         rates = np.column_stack([np.zeros((K, 2)), -gyro @ leg.plane.lateral, v])
         speeds = {}  # velocity of the middle of each sole in base axes beside that of the base [m/s], (K, 2)
-        for link, each in columns.items():
-            J = each[:, :, :2] / self._prior[:2]  # (K, R, 2); its first rows turn sole axes into base axes
-            speeds[link] = np.einsum("kij,krj,kr->ki", J[:, :2], J, rates)
+        for link, each in J.items():  # its first columns turn sole axes into base axes
+            speeds[link] = np.einsum("kji,kjr,kr->ki", each[:, :2, :2], each[:, :2], rates)
         likelihood, wrenches = np.empty((K, len(self.sets) + 1)), np.zeros((K, len(self.sets) + 1, len(self.soles), 3))
         least = np.full(K, np.inf)  # distance of the best set
         seat = self.model.leg.description.root_link
@@ -427,8 +437,3 @@ class ContactFilter:
         """Forward, up and pitch of each sole, of a twist in the axes of its link, (3, 6)."""
         leg = self.model.leg
         return {link: held_directions(leg.model, leg.description, link, leg.plane)[[0, 2, 4]] for link in self.soles}
-
-    def _columns(self, q: FloatArray, link: str) -> FloatArray:
-        """Columns Jᵀ P^½ of the wrench on a sole about its middle, (K, R, 3); a point has a small moment."""
-        J = self.model.leg.frame_jacobian(q, link, self.soles[link].centre)
-        return np.swapaxes(self.axes[link] @ J, 1, 2) * self._prior

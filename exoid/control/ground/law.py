@@ -18,6 +18,7 @@ from exoid.control.law import State
 from exoid.errors import BadArgumentError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
+from exoid.leg.reduction.planar import GRAVITY
 from exoid.leg.torso import TorsoMotion
 from exoid.rig import Target
 from exoid.rig.ground import GroundPlant, Sole
@@ -282,8 +283,8 @@ class StanceLaw:
     @cached_property
     def weight(self) -> float:
         """Weight of the machine [N], by which forces are scaled."""
-        q = np.zeros(self.model.n)
-        return max(1.0, float(abs(self.model.dynamics(q, q, 0.0, 0.0)[1][1])))
+        # not by dynamics(), whose pose contact() uses
+        return max(1.0, float(sum(body.mass for body in self.model.pinocchio.inertias)) * GRAVITY)
 
 
 def stance(

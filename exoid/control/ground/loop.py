@@ -17,10 +17,7 @@ from exoid.rig.ground import GroundMotion, GroundReading
 from .coordinator import DAMPING, Coordinator, Decision
 from .hypotheses import BLOCK, ContactFilter, ContactReadings
 from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw
-from .model import BRAKE
-
-LOADING = 0.15
-"""Time in which a foot that touches down takes its share [s], an assumption."""
+from .model import BASE, BRAKE
 
 BOUNCE = 0.02
 """Time for which an open switch still counts as closed, and then time in which the foot loses its share [s]."""
@@ -68,8 +65,8 @@ class GroundLoop(LawLoop):
     """Controller of :func:`exoid.rig.ground.simulate_on_ground` made of a law, with a memory: one for each run.
 
     Contacts are those of the switches, but a foot whose planned share is zero is in the air, and a level one is flat.
-    A foot that touches down takes its share in :data:`LOADING`. As feet bounce, an open switch counts as closed for
-    :data:`BOUNCE`, and its foot loses the share in as much time. While nothing touches, the joints are braked.
+    A foot that touches down takes its share in 0.15 s, an assumption. As feet bounce, an open switch counts as closed
+    for :data:`BOUNCE`, and its foot loses the share in as much time. While nothing touches, the joints are braked.
 
     Attributes:
         law: The law.
@@ -119,7 +116,7 @@ class GroundLoop(LawLoop):
         shares = {}
         self._closed |= {link: reading.time for link, closed in reading.switches.items() if closed.any()}
         for link, closed in self._closed.items():
-            course = self._course.get(link, 0.0) + dt / (LOADING if reading.time - closed < BOUNCE else -BOUNCE)
+            course = self._course.get(link, 0.0) + dt / (0.15 if reading.time - closed < BOUNCE else -BOUNCE)
             self._course[link] = course = min(max(course, 0.0), 1.0) if planned.get(link, 1.0) > 0.0 else 0.0
             if course > 0.0:
                 shares[link] = planned.get(link, 1.0) * float(minimum_jerk(course))
@@ -189,6 +186,9 @@ class CoordinatedLoop(LawLoop):
         self._slipped: dict[str, float] = {}  # way of each sole that bears [m]
         self._held: tuple[FloatArray, FloatArray] | None = None  # torque and posture of the last support
         self._beside = 0.0  # mean error of what the soles bear, beside what the law wants, over the weight
+        self._grip = self.law.ground_friction  # coefficient of friction before any slip
+        self._plan = np.zeros((2, self.law.model.n))  # angles and rates of the last target; later what they become
+        self._frozen: dict[int, float] = {}  # readings of joints and of the pitch, last, that froze, and their values
 
     def __call__(self, reading: GroundReading) -> FloatArray:
         """Compute the torque to hold until the next sample.
@@ -199,14 +199,21 @@ class CoordinatedLoop(LawLoop):
         Returns:
             Torque within the bounds [N·m], (n,).
         """
+        reading, blind = self._mend(reading)
         self._tell(reading)
+        if blind:  # a frozen reading that nothing replaces would make the filter certain of another set
+            self._chances = dict.fromkeys(self._chances, 0.0)
         request = self._requests.pop()[1] if self._requests and reading.time >= self._requests[-1][0] else None
+        request = None if self._frozen else request
         flexion = legs_flexion(self.law.model.leg, reading.q[np.newaxis])[0]
         before = self._memory.function, self._memory.phase
-        decision = self.coordinator.decide(self._memory, self._chances, flexion, request, lost=self._lost(reading))
+        lost, broken = self._lost(reading), bool(self._frozen)
+        decision = self.coordinator.decide(self._memory, self._chances, flexion, request, lost=lost, broken=broken)
         self.decisions.append(decision)
         shares = {self._links[name]: share for name, share in decision.shares.items() if share > 0.0}
         target, plan = self._follow(*before, reading, frozenset(decision.shares))
+        moves = [k for k in range(self.law.model.n) if k not in self._frozen]
+        self._plan[:, moves] = np.array(target[:2])[:, moves]
         torque = self.supported(reading, shares, target, plan, reading.interaction)
         self._watch(reading, {} if torque is None or self.state is None else self.state.contacts)
         wanted = self._hold(reading) if torque is None else torque
@@ -222,10 +229,41 @@ class CoordinatedLoop(LawLoop):
             return -DAMPING * reading.v
         (torque, q), known = self._held, self._memory.known
         # a joint whose reading froze has no error and no speed: it keeps its torque, but not in a leg in the air
-        limbs, frozen = self.law.model.leg.limbs, np.resize(self._told.frozen, len(q))
+        limbs, frozen = self.law.model.leg.limbs, np.isin(np.arange(len(q)), [*self._frozen])
         bears = np.repeat([limb.label in known for limb in limbs], [limb.chain.n for limb in limbs])
         stiff = self.coordinator.limit / 0.3  # an error of 0.3 rad has all of the torque
         return np.where(frozen, bears * torque, torque + stiff * (q - reading.q - 0.05 * reading.v))
+
+    def _mend(self, reading: GroundReading) -> tuple[GroundReading, bool]:
+        """Replace readings that froze by what soles that lie flat tell, and tell whether any is left."""
+        turns, n, raw = self.law.model.turns, self.law.model.n, np.append(reading.q, reading.pitch)
+        flags = np.resize(self._told.frozen, 2 * n + 1)[[*range(n), -1]]  # of angles and the gyroscope
+        before, found = self._frozen, dict.fromkeys(np.flatnonzero(flags).tolist(), np.nan) | self._frozen
+        self._frozen = {k: raw[k] for k, x in found.items() if raw[k] == x or np.isnan(x)}
+        if new := self._frozen.keys() - before.keys():  # until now soles seemed to slip
+            self._slipped, self._memory.lost, self._memory.fell = {}, 0.0, False
+            self.law = replace(self.law, ground_friction=self._grip)
+        wanted = self.commands[-1] if self.commands else None
+        if not self._frozen or wanted is None or self.state is None:
+            return reading, bool(self._frozen)
+        contacts = self.state.contacts
+        # a flat sole is parallel to the ground, turns · q + pitch = lean
+        flat = [x for x, kind in contacts.items() if kind == "flat" and self.law.model.places[x][1] > 0.0]
+        A = np.reshape([np.append(turns[x], 1.0) for x in flat], (-1, n + 1))
+        aloft = [k for k in self._frozen if k < n and not any(turns[x][k] for x in contacts)]
+        lost, rates = [k for k in self._frozen if k not in aloft], np.append(reading.v, reading.pitch_rate)
+        if np.linalg.matrix_rank(A[:, lost]) < len(lost):
+            return reading, True
+        # a joint in the air moves about as the law wants
+        self._plan[1, aloft] += wanted.acceleration[BASE:][aloft] / self.coordinator.rate
+        self._plan[0, aloft] += self._plan[1, aloft] / self.coordinator.rate
+        raw[aloft], rates[aloft] = self._plan[:, aloft]
+        raw[lost] -= np.linalg.lstsq(A[:, lost], A @ raw - self.lean)[0]
+        rates[lost] -= np.linalg.lstsq(A[:, lost], A @ rates)[0]
+        if new:  # until now the filter saw no motion
+            spin = -(rates[-1] - reading.pitch_rate) * self.law.model.leg.plane.lateral
+            self.contacts.amend(self._told, np.append(raw[:-1] - reading.q, spin))
+        return reading._replace(q=raw[:-1], v=rates[:-1], pitch=float(raw[-1]), pitch_rate=float(rates[-1])), False
 
     def _tell(self, reading: GroundReading) -> None:
         """Feed the filter, in whole blocks, with the torque that acted until now."""

@@ -19,11 +19,6 @@ class JointFilter:
     b: FloatArray  # numerator, powers of z⁻¹ rising, (m + 1,)
     a: FloatArray  # denominator, the first coefficient 1, (m + 1,)
 
-    @property
-    def order(self) -> int:
-        """Order m."""
-        return len(self.b) - 1
-
     def settled(self, x: FloatArray) -> FloatArray:
         """Make the memory after an input that was constant for ever, (m, *x.shape)."""
         return np.multiply.outer(scipy.signal.lfilter_zi(self.b, self.a), x)
@@ -40,7 +35,7 @@ class JointFilter:
         rings = longest if radius >= 1.0 else int(np.ceil(-30.0 / np.log(max(radius, 1e-3))))  # to e⁻³⁰
         inputs = np.zeros(min(len(x) + rings, longest))
         inputs[: len(x)] = x
-        return self.run(np.zeros(self.order), inputs)[0]
+        return self.run(np.zeros(len(self.b) - 1), inputs)[0]
 
 
 class AlignmentMemory(NamedTuple):

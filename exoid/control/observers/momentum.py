@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -61,7 +60,7 @@ class MomentumModel:
         """Evaluate the terms at samples (N, n)."""
         values, model = self.model.leg.parameters, self.model
         mass, turned, gravity = self._of_bodies(q, v)
-        M = np.tensordot(values, mass, axes=1).transpose(2, 0, 1) + self._rotors
+        M = np.tensordot(values, mass, axes=1).transpose(2, 0, 1) + self.model.rotors(np.zeros((1, q.shape[1])))[0]
         torque = values @ (turned - gravity).transpose(2, 0, 1)
         torque = torque - model.springs(q.T).T - model.friction(q.T, v.T, self.width).T
         momentum, torques = np.einsum("nij,nj->ni", M, v)[:, None], torque[:, None]
@@ -89,7 +88,3 @@ class MomentumModel:
         gravity, differences = columns[:, :, -1], columns[:, :, :n] - columns[:, :, n : 2 * n]
         mass = columns[:, :, 2 * n : -1] - gravity[:, :, None]
         return mass, 0.25 * np.einsum("nj,kjin->kin", v, differences), gravity
-
-    @cached_property
-    def _rotors(self) -> FloatArray:
-        return np.asarray(self.model.rotors(np.zeros((1, self.model.n)))[0])

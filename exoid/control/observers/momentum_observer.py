@@ -164,7 +164,7 @@ class MomentumObserver:
         aligned, alignment = self.alignment.begin(first[0])
         now = self.terms.over(aligned[None, 0], aligned[None, 1])
         now.u[:, 0] += aligned[2]
-        filtered = np.zeros((self.filter.order, now.p.shape[1] + 1, self.model.n))
+        filtered = np.zeros((len(self.filter.b) - 1, now.p.shape[1] + 1, self.model.n))
         filtered[:, -1] = self.filter.settled(now.unknown[0])
         return ObserverMemory(0, angle, alignment, now.p[0], now.u[0], filtered)
 

@@ -102,12 +102,7 @@ class NoiseBand(NamedTuple):
 
     @classmethod
     def of(
-        cls,
-        alignment: Alignment,
-        one: JointFilter,
-        noise: SensorNoise | None,
-        source: object,
-        false_alarms: float,
+        cls, alignment: Alignment, one: JointFilter, noise: SensorNoise | None, source: object, false_alarms: float
     ) -> NoiseBand:
         """Compute the gains of the observer's filters; an estimate adds what its identification left."""
         n, rate = alignment.n, alignment.rate

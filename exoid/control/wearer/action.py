@@ -77,10 +77,7 @@ def judge(evidence: Evidence, level: float = LEVEL) -> tuple[JointAction, ...]:
     beyond = scipy.stats.t.isf(0.5 * share, np.minimum(count, behind)) * ALLOWANCE * np.sqrt(of_mean)
     steady = tested & (np.abs(np.nan_to_num(evidence.mean)) > beyond)
     columns = (p_values, tested & (p_values < share), np.where(tested, least, np.nan), steady)
-    return tuple(
-        JointAction(float(p), bool(acts), float(small), bool(constant))
-        for p, acts, small, constant in zip(*columns, strict=True)
-    )
+    return tuple(JointAction(*each) for each in zip(*(x.tolist() for x in columns), strict=True))
 
 
 def constant_torques(estimate: EstimateData, evidence: Evidence, actions: Sequence[JointAction]) -> Iterator[Finding]:

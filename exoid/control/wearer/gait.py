@@ -12,14 +12,6 @@ from exoid.errors import BadArgumentError
 from exoid.signals import Recording
 
 
-class Phase(NamedTuple):
-    """Phase of each sample."""
-
-    values: FloatArray  # phase, 0 to 1, (N,); not a number outside the strides
-    period: float | None  # mean period [s]; None for no phase
-    source: str  # what begins a cycle
-
-
 class GaitProfile(NamedTuple):
     """Torque of the wearer over the phase, K = 20 bins.
 
@@ -38,8 +30,8 @@ class GaitProfile(NamedTuple):
     samples: FloatArray
 
 
-def find_phase(recording: Recording, strides: ArrayLike | None = None) -> Phase:
-    """Find the phase of each sample of a recording with even time stamps; NaN where nothing repeats."""
+def find_phase(recording: Recording, strides: ArrayLike | None = None) -> tuple[FloatArray, float | None, str]:
+    """Find the phase of each sample, 0 to 1, NaN where nothing repeats; mean period [s]; what begins a cycle."""
     # Strides that are given count first, then touch-downs of the first link in `contacts`, then the period of the
     # angles. That period is the lag at which their autocorrelation peaks. The phase is that of the strongest harmonic
     # (its analytic signal), so that it follows a cadence that changes slowly.
@@ -76,19 +68,19 @@ def profile(torque: FloatArray, velocity: FloatArray, phase: FloatArray) -> Gait
     return GaitProfile((np.arange(bins) + 0.5) / bins, mean(tau), np.sqrt(mean(tau**2)), mean(power), count)
 
 
-def _of_strides(recording: Recording, begins: FloatArray, source: str) -> Phase:
+def _of_strides(recording: Recording, begins: FloatArray, source: str) -> tuple[FloatArray, float, str]:
     """Interpolate between the beginnings of strides."""
     inside = (recording.time >= begins[0]) & (recording.time <= begins[-1])
     count = np.interp(recording.time, begins, np.arange(len(begins), dtype=np.float64))
-    return Phase(np.where(inside, count % 1.0, np.nan), float(np.diff(begins).mean()), source)
+    return np.where(inside, count % 1.0, np.nan), float(np.diff(begins).mean()), source
 
 
-def _of_motion(recording: Recording) -> Phase:
+def _of_motion(recording: Recording) -> tuple[FloatArray, float | None, str]:
     """Find the period of the angles, and their phase by the strongest of four harmonics."""
     q, samples = recording.q - recording.q.mean(axis=0), len(recording)
     lag = _period(q)
     if lag is None:
-        return Phase(np.full(samples, np.nan), None, "")
+        return np.full(samples, np.nan), None, ""
     joint, cycles = int(np.argmax(q.std(axis=0))), samples / lag
     x = q[:, joint]
     spectrum = np.fft.fft(x)
@@ -108,7 +100,7 @@ def _of_motion(recording: Recording) -> Phase:
     mean = np.divide(np.bincount(place, weights=x, minlength=fine), count, out=np.full(fine, -np.inf), where=count > 0)
     turns = turns - (np.argmax(mean) + 0.5) / fine
     period = float(recording.duration / (turns[-1] - turns[0]))
-    return Phase(turns % 1.0, period, f"largest angle of {recording.joint_names[joint]}")
+    return turns % 1.0, period, f"largest angle of {recording.joint_names[joint]}"
 
 
 def _period(q: FloatArray) -> float | None:

@@ -15,11 +15,7 @@ from exoid.errors import NotIdentifiableError
 from exoid.estimate import EstimateData, TorqueFilter
 from exoid.estimate.compared import to_predict
 from exoid.estimate.finding import Finding, ordered
-from exoid.estimate.validation_checks import (
-    effective_share,
-    extrapolations,
-    unmeasured_torques,
-)
+from exoid.estimate.validation_checks import effective_share, extrapolations, unmeasured_torques
 from exoid.identification.findings.channels import channel_findings
 from exoid.regression.intervals import half_width
 from exoid.signals import Recording
@@ -216,11 +212,8 @@ class Interaction(ReadOnly, Report):
             tested: tuple[str, ...] = ("not tested", "", "")
             if not np.isnan(action.p_value):
                 p_value = f"{action.p_value:.2g}" if action.p_value >= 1e-6 else "< 1e-06"
-                tested = (
-                    p_value,
-                    "yes" if action.acts else "unclear" if name in self.unclear else "no",
-                    f"{action.least:.2g}",
-                )
+                acts = "yes" if action.acts else "unclear" if name in self.unclear else "no"
+                tested = p_value, acts, f"{action.least:.2g}"
             rows.append((name, *(f"{value:.4g}" for value in (rms, peak, mean, power)), f"{outside:.1%}", *tested))
         return rows
 
@@ -281,7 +274,7 @@ def interaction(
         np.maximum(behind, 1.0),
     )
     actions = judge(evidence)
-    phase = find_phase(even, strides)
+    phase, period, begins = find_phase(even, strides)
     findings = [
         *channel_findings(recording),
         *changed,
@@ -298,11 +291,11 @@ def interaction(
         torque,
         half_width(0.95, estimate.dof) * np.sqrt(found.variance),
         np.array(preparation.kinematics(even).v[used]),
-        np.array(phase.values[used]),
+        np.array(phase[used]),
         actions,
         name or "array",
-        phase.period,
-        phase.source,
+        period,
+        begins,
         findings=ordered([replace(one, recording=name) for one in findings]),
         filter=chosen,
     )

@@ -240,7 +240,7 @@ def _delays(told: ContactFilter, episode: Episode, belief: Belief, only: str | N
             # what is wrong later is no delay, and counts in the accuracy
             runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
             late = len(wrong) > 0 and at[wrong[0]] - start <= 2.0 * BLOCK
-            out.append(float(at[runs[0][-1]] + BLOCK - start) if late else 0.0)
+            out.append(float(at[runs[0][-1]] + at[1] - at[0] - start) if late else 0.0)
     return out
 
 

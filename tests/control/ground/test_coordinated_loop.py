@@ -17,7 +17,7 @@ from exoid.experiments import ground
 from exoid.experiments.ground.stance import HAND_RAIL
 from exoid.lab.coordination import study
 from exoid.rig import Rates
-from exoid.rig.ground import HEALTHY, PASSIVE, GroundMotion, GroundReading, GroundSensors, simulate_on_ground
+from exoid.rig.ground import HEALTHY, PASSIVE, Faults, GroundMotion, GroundReading, GroundSensors, simulate_on_ground
 from exoid.rig.ground.plant import BLEEX_SOLES, Block
 from exoid.rig.ground.plant import SEAT as SEAT_SOLE
 from exoid.torques.model import TorqueModel
@@ -43,7 +43,7 @@ def loop_of(plant, requests, start="stand", rate=500.0):
     return CoordinatedLoop(stance(plant), told, coordinator, requests, start)
 
 
-def run_of(plant, loop, name, begin, seconds, wearer):
+def run_of(plant, loop, name, begin, seconds, wearer, **options):
     """The rail follows the plan of a function that begins at a time."""
     function = loop.coordinator.functions[name]
     time = np.arange(begin - 0.3, begin + seconds, 0.01)
@@ -51,7 +51,7 @@ def run_of(plant, loop, name, begin, seconds, wearer):
     q = joint_angles(plant.leg, function.flexion[rows])
     motion = GroundMotion(time, q, np.zeros_like(q), function.torso[rows])
     return simulate_on_ground(
-        plant, motion, loop, rates=RATES, sensors=SENSORS, spring=HAND_RAIL, wearer=wearer, seed=3
+        plant, motion, loop, rates=RATES, sensors=SENSORS, spring=HAND_RAIL, wearer=wearer, seed=3, **options
     )
 
 
@@ -79,18 +79,18 @@ def test_a_wrong_model_of_the_contacts_ends_in_damping_and_the_safe_stop(machine
 def test_a_machine_whose_contacts_become_unknown_holds_its_posture_but_no_joint_in_the_air_that_froze(
     machine, monkeypatch
 ):
-    loop, told = loop_of(machine, {}), np.zeros(13, dtype=bool)
+    loop = loop_of(machine, {})
     chances = lambda self, reading: self.__dict__.update(_chances={frozenset(SIDES): float(reading.time < 0.0)})  # noqa: E731
     monkeypatch.setattr(CoordinatedLoop, "_tell", chances)
     loop.coordinator = replace(loop.coordinator, patience=0.2)
     run = run_of(machine, loop, "stand", 0.0, 1.0, PASSIVE)
     assert (loop.decisions[-1].function, loop.decisions[-1].level) == (SAFE, "damping")
     assert np.abs(run.q[-1] - run.q[0]).max() < 0.05
-    told[1], loop._told.frozen, loop._memory.known = True, told, frozenset(("right",))
+    loop._frozen, loop._memory.known = {1: run.q[-1, 1]}, frozenset(("right",))
     reading = GroundReading(2.0, run.q[-1], run.v[-1], 0.0, 0.0, {}, np.zeros(3), np.zeros(3), np.zeros(6))
     torque, (last, _) = loop._hold(reading), loop._held
     assert torque[1] == 0.0 != last[1]
-    told[[1, 4]] = False, True
+    loop._frozen = {4: run.q[-1, 4]}
     assert loop._hold(reading)[4] == last[4]
 
 
@@ -127,6 +127,21 @@ def test_a_slide_with_hardly_any_force_along_the_ground_does_not_make_it_slipper
     run_of(machine, loop, "stand", 0.0, 0.5, HEALTHY)
     assert max(loop._slipped.values()) > 0.004
     assert loop.law.ground_friction == 0.6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["left_knee", "pitch"])
+def test_a_reading_that_freezes_while_the_soles_lie_flat_is_made_up_from_them(machine, name):
+    loop = loop_of(machine, {0.0: "sit", 0.8: "stand"})
+    run = run_of(machine, loop, "sit", 0.0, 1.2, PASSIVE, faults=Faults(frozen={name: 0.7}))
+    assert loop._frozen
+    last = loop.decisions[-1]
+    assert last.function == "sit"
+    assert "damping" not in {d.level for d in loop.decisions}
+    posture = loop.coordinator.functions["sit"].flexion[[round(200.0 * last.phase)]]
+    assert np.abs(run.q[-1] - joint_angles(machine.leg, posture)[0]).max() < 0.05
+    moved = run.q[-1, 1] - run.q[run.time < 0.7][-1, 1]
+    assert abs(moved) > 0.2
 
 
 @pytest.mark.slow

@@ -32,7 +32,8 @@ def test_a_request_is_granted_where_the_other_function_begins():
     machine = coordinator()
     memory = machine.begin()
     assert run(machine, memory, BOTH, 0.5).function == "stand"
-    assert run(machine, memory, BOTH, 0.1, ALL["sit"].flexion[0], "sit").function == "sit"
+    assert run(machine, memory, BOTH, 0.1, ALL["sit"].flexion[0] + 0.6, "sit").function == "stand"  # too far
+    assert run(machine, memory, BOTH, 0.1, ALL["sit"].flexion[0] + 0.4).function == "sit"
     seated = run(machine, memory, SEATED, 3.0, ALL["sit"].flexion[-1])
     assert (seated.function, seated.phase) == ("sit", 1.0)
     assert set(seated.shares) == {"left", "right", SEAT}
@@ -71,6 +72,15 @@ def test_doubt_freezes_the_support_then_damps_then_stops_and_recovers():
 def test_contacts_that_a_function_does_not_expect_lead_to_the_safe_stop():
     machine = coordinator()
     assert run(machine, machine.begin("rise", 0.5), LEFT, 2.0).function == SAFE
+
+
+def test_a_broken_sensor_stops_what_lifts_a_foot_with_support_and_lets_the_rest_end():
+    machine = coordinator()
+    for name, end in (("walk", SAFE), ("rise", "stand")):
+        memory, posture = machine.begin(name, 0.5), ALL["stand"].flexion[0]
+        for _ in range(200):
+            decision = machine.decide(memory, {BOTH: 0.999}, posture, broken=True)
+        assert (decision.function, decision.level, {*decision.shares}) == (end, "support", BOTH)
 
 
 def test_a_lost_footing_is_damped_and_the_stop_ends_by_a_request_only():
