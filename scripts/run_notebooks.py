@@ -1,9 +1,10 @@
 """Execute notebooks and store what they print, so that the site and GitHub show it.
 
 ``python scripts/run_notebooks.py`` runs all, ``python scripts/run_notebooks.py 4 7`` those whose names begin so.
-``.ci/run`` executes them too, without storing anything. It needs ``pip install -e '.[test]'``. Each notebook runs in a
-fresh interpreter, in an empty folder, one after the other. What differs between two runs of the same code is left out:
-counts of executions, times, versions of the interpreter, addresses of objects, and the name of the folder.
+``--check``, as in ``.ci/run``, stores nothing: texts that differ from those stored are an error. It compares neither
+pictures nor numbers below 1e-9, which are rounding. It needs ``pip install -e '.[test]'``. Each notebook runs in an
+interpreter of its own, in an empty folder. What differs between two runs of the same code is left out: counts of
+executions, times, versions of the interpreter, addresses of objects, and the name of the folder.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from difflib import unified_diff
 from pathlib import Path
 from time import monotonic
 
@@ -27,16 +30,25 @@ LANGUAGE = {
 
 ADDRESS = re.compile(r" at 0x[0-9a-f]{6,}")
 
+ROUNDING = re.compile(r"\d\.?\d*e-[1-9]\d")
+"""Numbers below 1e-9, which another processor rounds otherwise."""
+
 LONGEST = 600
 """Time that a cell may take [s]."""
 
 
 def main() -> None:
     """Execute the notebooks that the command line names by their beginnings, all without one."""
-    beginnings = tuple(f"{each}_" if each.isdigit() else each for each in sys.argv[1:]) or ("",)
+    check = "--check" in sys.argv
+    named = [each for each in sys.argv[1:] if each != "--check"]
+    beginnings = tuple(f"{each}_" if each.isdigit() else each for each in named) or ("",)
     chosen = [path for path in sorted(NOTEBOOKS.glob("*.ipynb"), key=number) if path.name.startswith(beginnings)]
     if not chosen:
         sys.exit(f"no notebook in {NOTEBOOKS} begins with {' or '.join(beginnings)}")
+    if check:
+        with ProcessPoolExecutor(2) as pool:
+            stale = "".join(pool.map(compare, chosen))
+        sys.exit(f"{stale}python scripts/run_notebooks.py stores what they print now" if stale else 0)
     for path in chosen:
         start = monotonic()
         changed = store(path)
@@ -63,19 +75,60 @@ def store(path: Path) -> bool:
 
     Returns:
         Whether the file changed.
-
-    Raises:
-        CellExecutionError: A cell failed; the file stays as it was.
     """
     before = path.read_text(encoding="utf-8")
-    notebook = nbformat.reads(before, as_version=4)
-    with tempfile.TemporaryDirectory() as folder:
-        NotebookClient(notebook, timeout=LONGEST, kernel_name="python3", resources=at(folder)).execute()
-        clean(notebook, folder)
-    after = nbformat.writes(notebook)
+    after = nbformat.writes(executed(before))
     after = after if after.endswith("\n") else f"{after}\n"
     path.write_text(after, encoding="utf-8")
     return after != before
+
+
+def compare(path: Path) -> str:
+    """Execute a notebook and compare what it prints with what it stores.
+
+    Args:
+        path: The notebook.
+
+    Returns:
+        The difference; empty if there is none.
+    """
+    before = path.read_text(encoding="utf-8")
+    texts = (printed(nbformat.reads(before, as_version=4)), printed(executed(before)))
+    difference = unified_diff(*texts, f"{path.name}, stored", f"{path.name}, now", n=0, lineterm="")
+    return "".join(f"{line}\n" for line in difference)
+
+
+def executed(text: str) -> nbformat.NotebookNode:
+    """Execute a notebook in an empty folder.
+
+    Args:
+        text: The notebook, as JSON.
+
+    Returns:
+        The notebook with its outputs.
+
+    Raises:
+        CellExecutionError: A cell failed.
+    """
+    notebook = nbformat.reads(text, as_version=4)
+    with tempfile.TemporaryDirectory() as folder:
+        NotebookClient(notebook, timeout=LONGEST, kernel_name="python3", resources=at(folder)).execute()
+        clean(notebook, folder)
+    return notebook
+
+
+def printed(notebook: nbformat.NotebookNode) -> list[str]:
+    """Lines of text that a notebook prints.
+
+    Args:
+        notebook: A notebook with its outputs.
+
+    Returns:
+        The lines.
+    """
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    texts = [output.text if output.output_type == "stream" else output.data.get("text/plain", "") for output in outputs]
+    return ROUNDING.sub("0", "\n".join(texts)).splitlines()
 
 
 def at(folder: str) -> dict[str, dict[str, str]]:
