@@ -31,7 +31,7 @@ PUBLISHED = {
 }
 """The models that the recording's authors identified, as published beside it; gear ratio 6."""
 
-PUBLISHED_NRMSE = {"1.0": (0.088, 0.289), "2.0": (0.096, 0.173)}
+PUBLISHED_NRMSE = {"1.0": (0.091, 0.279), "2.0": (0.099, 0.177)}
 """Shoulder and elbow, of their models on the test part."""
 
 
@@ -112,7 +112,7 @@ def test_the_estimate_is_better_than_the_published_models(data, estimate, model)
     theirs = published_nrmse(data, model)
     print(f"published model {model}:", theirs.round(3))
     assert shown_in_readme(" / ".join(f"{error:.3f}" for error in theirs))
-    np.testing.assert_allclose(theirs, PUBLISHED_NRMSE[model], rtol=0.06)
+    np.testing.assert_allclose(theirs, PUBLISHED_NRMSE[model], rtol=0.01)
     assert (exoid.validate(estimate, data.test).nrmse < theirs).all()
 
 
