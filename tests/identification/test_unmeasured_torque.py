@@ -79,6 +79,14 @@ def test_a_joint_that_one_of_two_logs_measured_is_identified():
     assert (finding.joint, finding.value) == ("left_ankle", 0.5)
 
 
+def test_an_angle_with_the_wrong_sign_is_named_without_its_torque():
+    """Coupling alone shows it, and less than 2 % of the torques: it was an angle read −0.53 times, or no leg's foot."""
+    swing_, log = swing(2)
+    turned = dataclasses.replace(without(log, "left_ankle"), q=log.q * [1.0, 1.0, -1.0], v=None, a=None)
+    (one,) = (found for found in exoid.check(swing_.leg, turned) if found.severity == "error")
+    assert (one.kind, one.joint) == ("angle-sign", "left_ankle")
+
+
 def test_parameters_that_leave_no_trace_elsewhere_are_named():
     swing_, log = swing()
     ankle = (Coulomb(joints=("ankle",)),)

@@ -126,13 +126,12 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
 
 def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
     """Check the fit, unless a channel is broken."""
-    found: list[Finding] = []
-    explained, left = False, np.zeros(len(checked.nrmse))  # impossible parameters; residuals, beside all that was found
+    found, loaded = list[Finding](), all(one.payloads for one in checked.fitted.data)
+    explained, angles, left = False, True, np.zeros(len(checked.nrmse))  # left are residuals beside all that was found
     if not broken:
         found += [*unsigned_torques(checked)] or [*missing_gravity(checked)]
         # A payload that is stated too heavy leaves negative parameters, too. Readings of angles need all rows anew.
-        below = checked.below.any() and not all(one.payloads for one in checked.fitted.data)
-        angles = bool((checked.nrmse > POOR).any() or below)
+        angles = bool((checked.nrmse > POOR).any() or (checked.below.any() and not loaded))
         if not found and (angles or (checked.nrmse > 0.25 * POOR).any()):
             found += gross_findings(checked.fitted, checked.evidence, angles=angles)
         units = [found.pop()] if found and found[0].kind == "torque-scale" else []  # hides no other fault
@@ -148,6 +147,9 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         fitted = checked.fitted
         found += impossible_leg(fitted.model.leg, fitted.values, fitted.covariance, checked.evidence.factors)
     impossible = any(finding.kind == "impossible-leg" for finding in found)
+    if not (angles or loaded) and (impossible or any(one.kind == "angle-scale" and one.value < 0.5 for one in found)):
+        gross = gross_findings(checked.fitted, checked.evidence, angles=True)  # of a joint without torque, say
+        found = [one for one in gross if one.kind == "angle-sign"] or found
     yield from (*found, *large_residuals(checked, left, impossible=impossible))
 
 

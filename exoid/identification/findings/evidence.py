@@ -21,8 +21,7 @@ class Evidence(NamedTuple):
     at_rest: Sequence[bool]  # whether each is poses
     fixed: FloatArray  # known values of parameters, (P,); not a number where they are free
     free: NDArray[np.intp]  # indices of the free parameters
-    # of each joint and recording: columns of parameters and nuisances, torque less that of known parameters,
-    # (P + K + 1, N)
+    # of each joint and recording: all columns, and torque less that of known parameters, (P + K + 1, N)
     tables: list[list[FloatArray]]
     factors: list[FloatArray]  # R factors of rows [W Z τ] of each joint, known torque included, (M, P + K + 1) each
     counts: FloatArray  # usable rows of each joint, at least 1, (n,)

@@ -128,7 +128,7 @@ KINDS = {
     ),
     "clock": Kind(
         1e-3,
-        "the motion is {size:.3g} % {sign} than the time stamps say: coupling and gravity contradict each other",
+        "the motion is {size:.3g} % {sign} than its stamps say, or a length is wrong: coupling contradicts gravity",
         "compare the stamps with another clock, and check the lengths of all segments",
         signs=("faster", "slower"),
     ),
@@ -157,7 +157,7 @@ KINDS = {
     "unmodelled-force": Kind(
         None,
         "the residual of {joint} depends on the angles as the force of a strap, a cable or a spring does",
-        "remove the strap or cable, or add the term stiffness",
+        "remove strap or cable, or add the term stiffness; a wrong gear ratio of a series elastic drive looks alike",
     ),
     "torque-offset": Kind(
         None,

@@ -38,8 +38,7 @@ class FittedLeg(NamedTuple):
     values: FloatArray  # fitted parameters, (P,)
     covariance: FloatArray  # their covariance, (P, P)
     arms: Mapping[int, ArmShapes] = MappingProxyType({})  # of linear actuators whose force was measured, by their joint
-    # value and standard deviation, 0 for a known one, of parameters of which something was told beside the log
-    told: Mapping[str, tuple[float, float]] = MappingProxyType({})
+    told: Mapping[str, tuple[float, float]] = MappingProxyType({})  # values that were told, and their errors
     constants: Mapping[str, int] = MappingProxyType({})  # joint of each constant that was found and scales a torque
 
     @property
