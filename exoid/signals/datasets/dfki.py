@@ -31,9 +31,7 @@ def dfki_double_pendulum() -> Dataset:
     """Load the recording from ``$EXOID_DATA_DIR`` or, after one download, from the cache.
 
     The torque is the command at the joint, so that the model needs the rotor inertia. The uneven time stamps (3.3 ms on
-    average) are resampled to a uniform rate. The recorded velocity is not used, as it lags the derivative of the angle
-    by 1 to 2 ms. This lag would increase the error at the shoulder by a twentieth, and by a fifth if accelerations were
-    derived from that velocity.
+    average) are resampled. The recorded velocity is not used: it lags the derivative of the angle by 1 to 2 ms.
 
     Returns:
         Leg with joints shoulder and elbow, the first 14 499 rows for identification and the others for validation.

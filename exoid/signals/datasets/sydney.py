@@ -49,10 +49,9 @@ CITATION = (
 def sydney_swing_leg(which: Which = "inner") -> Dataset:
     """Load the recording from ``$EXOID_DATA_DIR`` or, after one download, from the cache.
 
-    The leg swings freely, then the amplifier of its motor is commanded three steps of 5 V, then a chirp; all at 200 Hz.
-    Torque is the command times the constant of the authors, 18.3 mN·m/V: delay, saturation and ripple of amplifier and
-    motor are not in it, and the log knows only ratios to that constant. The encoder of the inner leg was set to zero at
-    37.85 s: notebook 10 takes the step of 18.4 mrad out. The URDF has the authors' inertia and an assumed mass.
+    The leg swings freely, then its motor is commanded three steps of 5 V, then a chirp; all at 200 Hz. Torque is the
+    command times the authors' constant, 18.3 mN·m/V, without delay and saturation. The encoder of the inner leg was set
+    to zero at 37.85 s: notebook 10 takes the step of 18.4 mrad out. The URDF has the authors' inertia, an assumed mass.
 
     Args:
         which: The inner or the outer leg.
@@ -62,8 +61,7 @@ def sydney_swing_leg(which: Which = "inner") -> Dataset:
         validation.
 
     Raises:
-        ExoidError: There is no such leg, or the file is missing and cannot be downloaded, or differs from the
-            published one.
+        ExoidError: There is no such leg, or its file is missing, or is not the published one.
     """
     if which not in LOGS:
         raise BadArgumentError(f"no swing leg {which!r}", remedy='pass "inner" or "outer"')

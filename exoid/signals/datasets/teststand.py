@@ -72,13 +72,9 @@ class ForceDataset(Dataset):
 def teststand_leg() -> ForceDataset:
     """Load the recording from ``$EXOID_DATA_DIR`` or, after one download, from the cache.
 
-    The base moves up and down its rail three times, slowly, while the foot stays on the sensor: the leg is pressed and
-    pulled by up to 22 N. Torque is current times the nominal constant of the motors (0.025 N·m/A, ratio 9);
-    the knee's is limited to 2.7 N·m (12 A) and stays there for 35 % of the time. The driver of the stand takes the zero
-    of the sensor at its start, with the leg on it, and changes the signs of x and z such that pressing is positive. A
-    reading is then the force on the foot, in axes that are parallel to those of the root link (x forward, z up) to
-    about 0.04 rad. The recording has it as the wrench on the link ``contact``, as read: zero and tilt are not
-    corrected. ``docs/teststand.md`` says what is known of them, and of the torque of the knee.
+    The base moves up and down its rail three times, slowly, while the foot stays on the sensor. Torque is current times
+    the nominal constant; the knee's stays at its limit of 2.7 N·m for 35 % of the time. The wrench on the link
+    ``contact`` is the force on the foot as read: zero and tilt (0.04 rad) are not corrected (docs/teststand.md).
 
     Returns:
         Leg with joints HFE and KFE, the recording at 1 kHz, its halves and the force.

@@ -79,7 +79,15 @@ class ParallelFilter:
         return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
 
     def gain(self, counted: NDArray[np.bool_], rows: range) -> FloatArray:
-        """What becomes of ones at samples that count, less near the ends of segments, (R,); 1 at other samples."""
+        """What becomes of ones at samples that count.
+
+        Args:
+            counted: Mask of samples that count, (N,).
+            rows: Requested samples, R of them.
+
+        Returns:
+            Less than 1 near the ends of segments; 1 at samples that do not count, (R,).
+        """
         ones = self.among_zeros(np.broadcast_to(1.0, (1, len(counted))), rows, counted)[0]
         return np.where(counted[rows.start : rows.stop : rows.step], ones, 1.0)
 
