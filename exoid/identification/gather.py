@@ -114,7 +114,7 @@ def gather(
     groups = []
     for group in problem.groups:
         with within(group.name):
-            powers = [one.motion_power for one in group.summaries if one.motion_power]
+            powers = [one.acceleration_power for one in group.summaries if one.acceleration_power]
             chosen = preparation or (preparation_from(powers) if cutoff is None else ZeroPhase(cutoff))
             refuse_dead_torques(group.model, group.summaries)
         without = unmeasured_joints(group.model.leg.joint_names, group.summaries)

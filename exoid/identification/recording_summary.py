@@ -14,7 +14,7 @@ from exoid.errors import NotIdentifiableError
 from exoid.estimate.data import Input
 from exoid.signals import Poses, Recording
 from exoid.signals.contacts import stands
-from exoid.signals.cutoff import MotionPower, motion_power
+from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
 
 SMALLEST_MOTION = 2e-3
@@ -40,7 +40,7 @@ class RecordingSummary(NamedTuple):
     highest: FloatArray  # largest angle of each joint [rad], (n,)
     mean: FloatArray  # mean angle of each joint [rad], (n,)
     torques: Torques | None  # none where there are none
-    motion_power: MotionPower | None  # of the angles and their noise, for the cut-off; None if not needed
+    acceleration_power: AccelerationPower | None  # of the angles and their noise, for the cut-off; None if not needed
     # angular velocity of the base over that of the first joint, root mean square each; 0 for a base at rest. Of
     # a planar leg only rotation within its plane counts
     base_turning: float = 0.0
@@ -71,7 +71,7 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         q.max(axis=1),
         q.mean(axis=1),
         torques,
-        motion_power(chosen) if for_cutoff else None,
+        acceleration_power(chosen) if for_cutoff else None,
         _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
         stands(model.leg, chosen),
         isinstance(chosen, Recording) and any(one.force.any() or one.moment.any() for one in chosen.wrenches.values()),

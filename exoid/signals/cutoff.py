@@ -42,16 +42,16 @@ def noisier_base(base: BaseMotion, rng: np.random.Generator, sign: float = 1.0) 
 CUTOFFS = np.linspace(1.0, 8.0, 71)
 """Cut-off frequencies that are compared [Hz]; legs do not move faster."""
 
-BANDS = np.append(0.0, 2.0 ** np.arange(1.0, 8.01, 0.25))
-"""Edges of the bands in which fast motion is compared with noise [Hz]."""
+FAST = np.geomspace(2.0, 256.0, 57)
+"""Frequencies up to which fast motion is compared with noise [Hz]."""
 
 
-class MotionPower(NamedTuple):
-    """Powers of the acceleration below each of :data:`CUTOFFS`, and of the velocity in :data:`BANDS`."""
+class AccelerationPower(NamedTuple):
+    """Power of the acceleration below each of :data:`CUTOFFS`, in a common unit."""
 
     noise: FloatArray  # power due to noise of the angles, of place and turn of a base by its pose, and of its gyroscope
     total: FloatArray  # power of the recorded angles, as many columns
-    fast: FloatArray  # noise, and recorded, in each band and joint, (2, 29, n)
+    fast: FloatArray  # that of noise, and total, below each of :data:`FAST`, (2, 57, n); zero without contacts
     samples: int  # number of samples
     rate: float  # sampling rate [Hz]
 
@@ -71,8 +71,8 @@ def choose_preparation(recordings: Iterable[Recording | Poses], *, base_rows: bo
     moves, noise and signal of its angular acceleration are added to those of each joint.
 
     Angles pass up to 2 f. Touch-downs shake a leg faster, and what a filter takes of it changes the sign of friction.
-    Where a recording has contacts, and a joint has more than a fiftieth of its velocity (RMS) beyond 2 f, angles pass
-    up to where motion meets noise.
+    Where recordings have contacts, angles pass up to where the noise of an acceleration is a tenth of it, if a joint
+    has more than a fifth of its acceleration (RMS) between both. Beyond, noise reaches all rows: a stance is short.
 
     Args:
         recordings: Recordings to identify from, all of the same joints. Poses are ignored.
@@ -84,39 +84,37 @@ def choose_preparation(recordings: Iterable[Recording | Poses], *, base_rows: bo
     Raises:
         ExoidError: Time has a gap.
     """
-    powers = (motion_power(recording, base_rows=base_rows) for recording in recordings)
+    powers = (acceleration_power(recording, base_rows=base_rows) for recording in recordings)
     return preparation_from([found for found in powers if found is not None])
 
 
-def motion_power(recording: Recording | Poses, *, base_rows: bool = False) -> MotionPower | None:
-    """Compute noise and signal power of the motion of a recording."""
+def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False) -> AccelerationPower | None:
+    """Compute noise and signal power of the acceleration of a recording."""
     if isinstance(recording, Poses):
         return None
     even, rate = recording.resampled(), recording.resampled().sample_rate
     if recording.a is not None:
-        joints = len(recording.joint_names)
-        nothing = np.zeros((len(CUTOFFS), joints + 3))
-        return MotionPower(nothing, nothing, np.zeros((2, len(BANDS) - 1, joints)), len(even), rate)
-    power, fast = _power(even.q.T, rate)
-    of_base = np.zeros((2, len(CUTOFFS), 3))  # place and turn by its pose, turn by gyro
-    if not any(contact.any() for contact in even.contacts.values()):
-        fast[:] = 0.0  # where nothing touches down, noise and ripple look like it and would pass
+        nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + 3))
+        return AccelerationPower(nothing, nothing, np.zeros((2, len(FAST), len(nothing[0]) - 3)), len(even), rate)
+    power, of_base = _power(even.q.T, rate), np.zeros((2, len(CUTOFFS), 3))  # place and turn by its pose, turn by gyro
+    touches = any(contact.any() for contact in even.contacts.values())
+    fast = _power(even.q.T, rate, FAST) if touches else np.zeros((2, len(FAST), even.q.shape[1]))
     if even.base is not None and even.base.pose is not None:
-        of_pose, _ = _power(even.base.pose.columns.T, rate)
+        of_pose = _power(even.base.pose.columns.T, rate)
         of_base[..., 0], of_base[..., 1] = of_pose[..., :3].sum(axis=2), of_pose[..., 3:].sum(axis=2)
         if base_rows or recording.contacts:
             # A base that a pose carries moves all masses, and its noise is in every column. Only what these columns do
             # not share is left for an inertia of the torso, which the noise would attenuate by 0.3 % without this.
             power[0], of_base[0] = 16.0 * power[0], 16.0 * of_base[0]
     elif even.base is not None:
-        turning, _ = _power(even.base.angular_velocity.T, rate, derivatives=1)
+        turning = _power(even.base.angular_velocity.T, rate, derivatives=1)
         turning = turning[..., [int(np.argmax(turning[1, -1]))]]  # about the axis that turns most
         power, of_base[..., 2:] = power + turning, turning if base_rows else 0.0
     noise, total = np.concatenate([power, of_base], axis=2)
-    return MotionPower(noise, total, fast, len(even), rate)
+    return AccelerationPower(noise, total, fast, len(even), rate)
 
 
-def preparation_from(powers: Sequence[MotionPower]) -> ZeroPhase:
+def preparation_from(powers: Sequence[AccelerationPower]) -> ZeroPhase:
     """Choose the cut-off frequencies by the powers of each recording, see :func:`choose_preparation`."""
     if not powers:
         return ZeroPhase(float(CUTOFFS[-1]))
@@ -135,20 +133,21 @@ def preparation_from(powers: Sequence[MotionPower]) -> ZeroPhase:
     return ZeroPhase(cutoff, _fast_cutoff(powers, KINEMATICS_MULTIPLE * cutoff, LARGEST_RATIO * rate))
 
 
-def _fast_cutoff(powers: Sequence[MotionPower], usual: float, highest: float) -> float | None:
-    """Find where motion meets noise, if that is beyond the usual cut-off of the angles and much is lost there."""
+def _fast_cutoff(powers: Sequence[AccelerationPower], usual: float, highest: float) -> float | None:
+    """Find up to where motion stands out of noise, if much of it is beyond the usual cut-off of the angles."""
     noise, total = np.sum([each.fast for each in powers], axis=0)
-    beyond = np.searchsorted(BANDS, usual)
-    stands_out = np.logical_and.accumulate(total[beyond:] > 2.0 * noise[beyond:], axis=0)
-    motion = np.maximum(total - noise, 0.0)
-    lost = (stands_out * motion[beyond:]).sum(axis=0) > 0.02**2 * motion.sum(axis=0)
-    bands = int((stands_out * lost).sum(axis=0).max())
-    return min(float(BANDS[beyond + bands]), highest) if bands else None
+    clear = noise < 0.1**2 * total
+    moves = clear.any(axis=0)
+    reach, below = np.max(np.flatnonzero(clear[:, moves].all(axis=1)), initial=0), np.searchsorted(FAST, usual)
+    motion = (total - noise)[:, moves]
+    if reach <= below or not (motion[reach] - motion[below] > 0.2**2 * motion[reach]).any():
+        return None
+    return min(float(FAST[reach]), highest)
 
 
-def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> tuple[FloatArray, FloatArray]:
-    """Powers of noise and of signal in the derivative of signals (n, N), (2, 71, n), and in each band of the first."""
-    powers, fast = np.zeros((2, len(CUTOFFS), len(signals))), np.zeros((2, len(BANDS) - 1, len(signals)))
+def _power(signals: FloatArray, rate: float, edges: FloatArray = CUTOFFS, *, derivatives: int = 2) -> FloatArray:
+    """Powers of noise and of signal in the derivative of signals (n, N), below each of some frequencies, (2, F, n)."""
+    powers = np.zeros((2, len(edges), len(signals)))
     for segment in np.array_split(signals, -(-signals.shape[1] // 2**16), axis=1):
         samples = segment.shape[1]
         t = np.linspace(-1.0, 1.0, samples)
@@ -159,17 +158,9 @@ def _power(signals: FloatArray, rate: float, derivatives: int = 2) -> tuple[Floa
         power = (spectrum.real**2 + spectrum.imag**2) / samples
         frequency = scipy.fft.rfftfreq(samples, 1.0 / rate)
         noise = np.median(power[:, frequency >= 0.6 * frequency[-1]], axis=1) / np.log(2.0)  # above, noise only
-        powers += _below(CUTOFFS, frequency, power, noise, derivatives)
-        fast += np.diff(_below(BANDS, frequency, power, noise, 1), axis=1)
-    return powers, fast
-
-
-def _below(
-    edges: FloatArray, frequency: FloatArray, power: FloatArray, noise: FloatArray, derivatives: int
-) -> FloatArray:
-    """Powers of noise and of signal in a derivative below each of some frequencies, (2, F, n)."""
-    last = np.searchsorted(frequency, edges, side="right") - 1
-    slow = slice(0, last[-1] + 1)
-    weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
-    of_noise = np.multiply.outer(np.cumsum(weight)[last], noise)
-    return np.stack([of_noise, np.cumsum(weight * power[:, slow], axis=1)[:, last].T])
+        below = np.searchsorted(frequency, edges, side="right") - 1
+        slow = slice(0, below[-1] + 1)
+        weight = (2.0 * np.pi * frequency[slow]) ** (2 * derivatives)
+        powers[0] += np.multiply.outer(np.cumsum(weight)[below], noise)
+        powers[1] += np.cumsum(weight * power[:, slow], axis=1)[:, below].T
+    return powers

@@ -64,8 +64,8 @@ def counted_once(group: Group) -> Group:
             kept.append(summary)
         elif isinstance(log, Recording) and np.count_nonzero(masks[k]) >= 10:  # fewer samples are left out
             data.append(replace(log, mask=masks[k]))
-            power = summary.motion_power  # that of the angles of the whole recording
-            kept.append(summarize(model, data[-1], for_cutoff=False)._replace(motion_power=power))
+            power = summary.acceleration_power  # that of the angles of the whole recording
+            kept.append(summarize(model, data[-1], for_cutoff=False)._replace(acceleration_power=power))
     return replace(group, data=data, summaries=kept, findings=tuple(findings))
 
 
