@@ -117,7 +117,6 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
     groups, mended = range(len(fitted.problem.groups)), _mended(fitted.problem, footing, *faults[best], values[best])
     if best_reading(fitted.problem, groups, mended) is not None:  # torques of other signs, or in another order
         return
-    half = 2.0 * np.sqrt(np.diag(fitted.fit.solution.covariance))
     labels = dict[Place, str](enumerate(names)) | {place: place[0] for place in at}
     alike = [k for k in np.argsort(-gains).tolist() if gains[k] > 0.8 * gains[best]]
     for k in alike:
@@ -132,8 +131,9 @@ def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:
         places = (filter(None, (faults[x][0], labels.get(faults[x][1]))) for x in alike if x != k)
         others = " or ".join(dict.fromkeys(" at ".join(place) for place in places))
         more = f"; {others} would explain this log about as well" if others else ""
-        moved = in_half_widths(moves[k], half)
-        severity: Severity = "error" if moved.max(initial=0.0) > FAR_MOVE else "warning"
+        moved = in_half_widths(moves[k], 2.0 * np.sqrt(np.diag(fitted.fit.solution.covariance)))
+        small = abs(values[k]) < (told.least or 0.0)  # such as a thousandth of a force, which no sensor keeps
+        severity: Severity = "error" if moved.max(initial=0.0) > FAR_MOVE and not small else "warning"
         yield Finding(
             *(kind, where if where in names else "", float(ends[0]), unit, severity, text + more, told.remedy),
             (float(ends.min()), float(ends.max())),
