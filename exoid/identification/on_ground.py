@@ -130,8 +130,7 @@ def _imu_finding(errors: ImuErrors, when: str, name: str, parameters: tuple[str,
     pairs = zip((errors.gyro_bias, errors.force_bias), np.split(errors.std, 2), strict=True)
     gyro, force = (f"({', '.join(f'{x:.2g}' for x in bias)}) ± {2.0 * each.max():.2g}" for bias, each in pairs)
     size, std = float(np.linalg.norm(errors.force_bias)), float(np.linalg.norm(errors.std[3:]))
-    # Known no better than this [m/s²], it leaves 0.5 % of gravity, and of every mass moment, open
-    if errors.std[3:].max() > 0.05:
+    if errors.std[3:].max() > 0.05:  # [m/s²]: it leaves 0.5 % of gravity, and of every mass moment, open
         text = f"{when}, the bias of the base's sensor is known to ± {2.0 * std:.2g} m/s², as all intervals say"
         remedy = "stand still on both feet at the beginning, or calibrate it (base=replace(base, calibrated=True))"
         return Finding("imu-unchecked", "", 2.0 * std, "m/s²", "warning", text, remedy, None, parameters, name)

@@ -41,8 +41,7 @@ class RecordingSummary(NamedTuple):
     mean: FloatArray  # mean angle of each joint [rad], (n,)
     torques: Torques | None  # none where there are none
     acceleration_power: AccelerationPower | None  # of the angles and their noise, for the cut-off; None if not needed
-    # angular velocity of the base over that of the first joint, root mean square each; 0 for a base at rest. Of
-    # a planar leg only rotation within its plane counts
+    # RMS angular velocity of the base, of a planar leg in its plane, over that of the first joint; 0 at rest
     base_turning: float = 0.0
     stands: bool = False  # whether rows depend on contacts, see `signals.contacts.stands`
     pulled: bool = False  # whether a wrench was measured that is not zero throughout

@@ -96,9 +96,7 @@ def saturation(channel: Channel) -> Iterator[Finding]:
         if count <= 5.0 * near.sum() / 3.0:  # a rail holds five times more samples than each of the three values beside
             continue
         share = count / len(x)
-        message = (
-            f"{share:.1%} of the {channel.noun}s are exactly {rail:.4g} {channel.unit}: the sensor or the amplifier"
-        )
+        message = f"{share:.1%} of the {channel.noun}s are exactly {rail:.4g} {channel.unit}: the sensor or amplifier"
         message = f"{message} is at its limit, and the true {channel.noun} is larger"
         remedy = "record a slower or smaller motion, raise the limit, or cut out these segments"
         severity: Severity = "error" if share > 0.05 else "warning"

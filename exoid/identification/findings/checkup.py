@@ -32,6 +32,8 @@ from .score import State, in_half_widths
 from .search import DOUBTFUL_MOVE, find_faults, findings_of
 from .timing import angle_jumps, loop_gaps, missing_samples, stamp_jitter, wraps
 
+OF_TORQUE = "torque-sign", "torque-scale", "torque-delay", "unmodelled-force", "cross-talk", "large-residual"
+
 
 class Checkup(NamedTuple):
     """Result of all checks."""
@@ -62,6 +64,9 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     found += [] if any(one.severity == "error" for one in found) else contradicted  # an error may be why
     spread = checked.spread if sample.preparation is fitted.preparation else None
     moving = [part for part, rest in zip(evidence.parts, evidence.at_rest, strict=True) if not rest]
+    computed = {joint for one in sample.data if isinstance(one, Recording) for joint in one.computed}
+    more = "; its torque was computed: check ratio, constants and attachment points of its drive, and their signs"
+    found = [replace(x, remedy=x.remedy + more * (x.joint in computed and x.kind in OF_TORQUE)) for x in found]
     return Checkup(ordered(found), evidence.ranges, spread, moving)
 
 

@@ -157,7 +157,7 @@ KINDS = {
     "unmodelled-force": Kind(
         None,
         "the residual of {joint} depends on the angles as the force of a strap, a cable or a spring does",
-        "remove strap or cable, or add the term stiffness; a wrong gear ratio of a series elastic drive looks alike",
+        "remove the strap or cable, or add the term stiffness",
     ),
     "torque-offset": Kind(
         None,

@@ -218,9 +218,9 @@ def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) 
         if nrmse <= (0.15 if lasting else 0.5):
             continue
         remedy = (
-            "check whether this channel is the torque of this joint, and for contacts, straps and cables; if the torso "
-            "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
+            "check whether this channel is the torque of this joint, contacts, straps and cables; if the torso moved, "
         )
+        remedy += "record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
         message, names = message + _when(checked, j), tuple(np.array(model.names)[model.acting[j]].tolist())
         yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, None, names)

@@ -29,6 +29,15 @@ def test_a_point_that_is_off_is_found_by_its_size(joint, axis) -> None:
     assert kinds(estimate.findings, "moment-arm"), "identify finds it too"
 
 
+@pytest.mark.parametrize(("joint", "point", "axis"), [("left_hip", "first", 2), ("left_knee", "second", 2)])
+def test_a_mirrored_point_is_not_told_as_another_fault_alone(joint, point, axis) -> None:
+    data = actuators_to_data(CYLINDERS)
+    data[joint][point]["point"][axis] *= -1.0
+    found = exoid.check(LEG, FORCES, actuators=actuators_from_data(data, LEG))
+    assert found
+    assert all("attachment points" in one.remedy for one in found if one.kind != "moment-arm")
+
+
 def test_a_table_of_another_shape_is_found() -> None:
     angles = np.linspace(-0.3, 1.6, 12)
     right = CYLINDERS.drives["left_hip"].moment_arm.arm(angles)
