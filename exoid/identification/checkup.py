@@ -96,11 +96,8 @@ def rounding_errors(
     if not any(isinstance(one, Recording) and one.a is None and rounding_repeats(one.q) for one in every):
         return none, ()
     try:
-        again = (
-            change_recordings(problem, lambda _, one: one),
-            *(change_recordings(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8)),
-        )
-        fits = [fit_linear(each, estimator) for each in again]
+        shifted = (change_recordings(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8))
+        fits = [fit_linear(each, estimator) for each in (change_recordings(problem, lambda _, one: one), *shifted)]
     except ExoidError:
         return none, ()
     values = np.array([one.fit.solution.values for one in fits])

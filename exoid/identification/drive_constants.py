@@ -84,12 +84,10 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             turned = _negative(group, [each for each in free if each.constant.is_scale]) or turned
             sensed = any(one.wrenches for one in group.motions)
             known = "sign and axes of force sensors" if sensed else "the payloads"
-            raise NotIdentifiableError(
-                f"{', '.join(turned)} would be negative: current and torque have opposite signs",
-                remedy=f"give the motor a negative ratio, or the column a negative scale, and check {known}",
-                command=f"give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check {known}",
-                parameters=tuple(turned),
-            )
+            what = f"{', '.join(turned)} would be negative: current and torque have opposite signs"
+            remedy = f"give the motor a negative ratio, or the column a negative scale, and check {known}"
+            command = f"give the column a negative scale, e.g. --column i_hip=HEADER:-1, and check {known}"
+            raise NotIdentifiableError(what, remedy=remedy, command=command, parameters=tuple(turned))
         if step.is_small:
             held.update(step.at_bounds)
         point = step.take()
@@ -100,13 +98,8 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             raise NotIdentifiableError(what, remedy=remedy, command=command)
     failure = f"{', '.join(names)} have not settled in {ROUNDS} rounds"
     unsettled = () if step.is_small and not step.at_bounds else (failure,)
-    nonlinear = NonlinearParameters(
-        names,
-        tuple(each.constant.unit for each in constants),
-        np.array([point.constants[name] for name in names]),
-        np.zeros((len(names),) * 2),
-        tuple(held),
-    )
+    units, sizes = tuple(each.constant.unit for each in constants), np.array([point.constants[name] for name in names])
+    nonlinear = NonlinearParameters(names, units, sizes, np.zeros((len(names),) * 2), tuple(held))
     problem = problem.changed(actuators=with_constants(actuators, point.constants))
     return Fitted(problem, fit, (model,), nonlinear, (*fit.warnings, *held.values(), *unsettled))
 
@@ -141,21 +134,17 @@ def refuse_unknown_scale(
     unused = [each for each in constants if not any(of_one.computed[each.joint] for of_one in torques)]
     if unused:
         joints = ", ".join(dict.fromkeys(actuators.joint_names[each.joint] for each in unused))
-        raise NotIdentifiableError(
-            f"{', '.join(each.name for each in unused)}: no recording has torque of {joints} from its drive",
-            remedy="give its constants, leave it out, or read some recordings without that torque (unmeasured=)",
-            command="give its constants, leave it out, or read some logs without that torque (--unmeasured)",
-        )
+        what = f"{', '.join(each.name for each in unused)}: no recording has torque of {joints} from its drive"
+        remedy = "give its constants, leave it out, or read some recordings without that torque (unmeasured=)"
+        command = "give its constants, leave it out, or read some logs without that torque (--unmeasured)"
+        raise NotIdentifiableError(what, remedy=remedy, command=command)
     measured = any((of_one.measured & ~of_one.passive & ~(of_one.computed & free)).any() for of_one in torques)
     weighed = any(Payload.from_text(text).mass > 0.0 for one in summaries for text in one.evidence.payloads)
     values = [*knowledge.known.values(), *(value for value, _ in knowledge.prior.values.values())]
     if not (measured or weighed or any(values) or any(one.pulled for one in summaries)):
-        raise NotIdentifiableError(
-            f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found: a leg twice "
-            "as heavy with motors twice as strong has the same currents",
-            remedy=ADVICE,
-            command=COMMAND,
-        )
+        what = f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found: a leg "
+        what += "twice as heavy with motors twice as strong has the same currents"
+        raise NotIdentifiableError(what, remedy=ADVICE, command=COMMAND)
 
 
 class _Step(NamedTuple):

@@ -83,18 +83,11 @@ def known_rotors(
     # A torque sensor behind the gear does not see the rotor: only motors whose torque was computed have one.
     plain = {name.partition("[")[0] for name in knowledge.names}
     labels = dict(zip(leg.joint_names, leg.joint_labels, strict=True))
-    with_rotor = {
-        leg.joint_names[joint]
-        for term in terms
-        if type(term) is Armature
-        for (joint,) in term.places(leg.joint_names, leg.joint_labels).values()
-    }
-    rotors = {
-        f"Ia_{labels[joint]}": drive.armature
-        for joint, drive in actuators.drives.items()
-        if isinstance(drive, Motor) and drive.armature is not None and joint in with_rotor & computed
-    }
-    return {**{name: value for name, value in rotors.items() if name not in plain}, **knowledge.known}
+    armatures = (term.places(leg.joint_names, leg.joint_labels) for term in terms if type(term) is Armature)
+    seen = computed & {leg.joint_names[joint] for places in armatures for (joint,) in places.values()}
+    motors = {f"Ia_{labels[joint]}": one for joint, one in actuators.drives.items() if joint in seen}
+    rotors = {name: one.armature for name, one in motors.items() if isinstance(one, Motor) and name not in plain}
+    return {**{name: value for name, value in rotors.items() if value is not None}, **knowledge.known}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

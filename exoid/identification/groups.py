@@ -64,11 +64,10 @@ def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> 
     model = groups[0].model
     for other in groups[1:]:
         if other.model.names != model.names or other.model.units != model.units:
-            raise BadArgumentError(
-                f"parameters of {groups[0].name} are {', '.join(model.names)}, "
-                f"those of {other.name} {', '.join(other.model.names)}",
-                remedy="identify legs of one design, with the same joints, together",
-            )
+            what = f"parameters of {groups[0].name} are {', '.join(model.names)}, those of {other.name} "
+            what += f"{', '.join(other.model.names)}"
+            remedy = "identify legs of one design, with the same joints, together"
+            raise BadArgumentError(what, remedy=remedy)
     rigid = model.leg.parameter_names
     if own is None:
         _refuse_other_designs(groups)
@@ -100,10 +99,9 @@ def _refuse_other_designs(groups: Sequence[Group]) -> None:
         found = other.model.leg.regressor(*motion)
         # Regressors of legs of one design differ by less than this part of the largest entry
         if np.abs(found - expected).max() > 1e-9 * np.abs(expected).max():
-            raise BadArgumentError(
-                f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ",
-                remedy="identify them one by one",
-            )
+            what = f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ"
+            remedy = "identify them one by one"
+            raise BadArgumentError(what, remedy=remedy)
 
 
 def shared_agreement(

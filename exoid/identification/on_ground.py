@@ -24,7 +24,7 @@ from exoid.torques.contacts.support_model import SupportModel
 from .estimators import Estimator, huber
 from .estimators.by_name import fit_linear
 from .footing import LEAN, PIVOT, Footing, find_footing, tilted
-from .ground_faults import joint_faults, unlike_logs
+from .ground_faults import joint_faults, moving_points, unlike_logs
 from .problem import Fitted, Problem
 from .row_changes import contact_offsets, residual, rms_residuals
 from .support_groups import MEASURED, MUCH_LEFT_OUT, rocking_finding, support_groups
@@ -55,7 +55,8 @@ def fit_on_ground(problem: Problem, estimator: Estimator, *, by_noise: bool, che
             if (np.abs(footing.found.values - before.found.values) <= np.sqrt(np.diag(footing.found.covariance))).all():
                 break
     # a zero of an angle that is off may look like another scale of a log: joints come first
-    faults = (tuple(joint_faults(fitted, footing)) or tuple(unlike_logs(fitted, scaled=True))) if check else ()
+    looks = (moving_points(fitted), joint_faults(fitted, footing), unlike_logs(fitted, scaled=True))
+    faults = next(filter(None, map(tuple, looks)), ()) if check else ()
     if footing is not None:
         if not faults:  # a foot that leans otherwise at each time would explain them, too, with many numbers
             fitted, footing = _rocking(fitted, footing, estimator)

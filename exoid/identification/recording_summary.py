@@ -63,18 +63,11 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         passive, computed = (np.isin(chosen.joint_names, getattr(chosen, name, ())) for name in ("passive", "computed"))
         share = np.array([np.count_nonzero(x == common) / len(tau) for x, common in zip(tau.T, middle, strict=True)])
         torques = Torques(middle, share, ~np.isnan(tau[0]), passive, computed)
-    return RecordingSummary(
-        evidence(data),
-        data.file_name,
-        q.min(axis=1),
-        q.max(axis=1),
-        q.mean(axis=1),
-        torques,
-        acceleration_power(chosen) if for_cutoff else None,
-        _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0,
-        stands(model.leg, chosen),
-        isinstance(chosen, Recording) and any(one.force.any() or one.moment.any() for one in chosen.wrenches.values()),
-    )
+    angles, power = (q.min(axis=1), q.max(axis=1), q.mean(axis=1)), acceleration_power(chosen) if for_cutoff else None
+    turning = _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0
+    wrenches = chosen.wrenches.values() if isinstance(chosen, Recording) else ()
+    stood, pulled = stands(model.leg, chosen), any(one.force.any() or one.moment.any() for one in wrenches)
+    return RecordingSummary(evidence(data), data.file_name, *angles, torques, power, turning, stood, pulled)
 
 
 def _base_turning(model: TorqueModel, recording: Recording) -> float:
@@ -126,25 +119,19 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     if dead:
         found = "; ".join(f"the torque of joint {j} is {x + 0.0:.6g} N·m in every sample" for j, x in dead.items())
         mend = f"connect its torque channel, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}"
-        raise NotIdentifiableError(
-            f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}",
-            where=_sources(summaries),
-            remedy=f"{mend}; a joint without an actuator is passive={tuple(dead)!r}, one without a sensor "
-            f"unmeasured={tuple(dead)!r}",
-            command=f"{mend}; give --passive {','.join(dead)} for a joint without an actuator, --unmeasured "
-            f"{','.join(dead)} for one without a sensor",
-            joints=tuple(dead),
-        )
+        what = f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}"
+        remedy = f"{mend}; a joint without an actuator is passive={tuple(dead)!r}, one without a sensor "
+        remedy += f"unmeasured={tuple(dead)!r}"
+        command = f"{mend}; give --passive {','.join(dead)} for a joint without an actuator, --unmeasured "
+        command += f"{','.join(dead)} for one without a sensor"
+        raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy, command=command, joints=tuple(dead))
     for index, joint in enumerate(names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
             if 0.5 < share < 1.0 and not torques.passive[index]:  # the rest was not measured
-                raise NotIdentifiableError(
-                    f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of samples, and it moves",
-                    where=one.source,
-                    remedy="use the part of the recording in which torque was measured, see Recording.between",
-                    joints=(joint,),
-                )
+                what = f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of samples, and it moves"
+                remedy = "use the part of the recording in which torque was measured, see Recording.between"
+                raise NotIdentifiableError(what, where=one.source, remedy=remedy, joints=(joint,))
 
 
 def unmeasured_joints(joint_names: Sequence[str], summaries: Sequence[RecordingSummary]) -> tuple[str, ...]:

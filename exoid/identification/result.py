@@ -120,7 +120,7 @@ class Result:
         model = self.fitted.models[first]
         if standing:  # of the leg, whatever rests on the ground
             model = TorqueModel(model.leg, model.terms, model.rigid, model.regrouped, model.separate)
-        every, values = layout.places[group], self.fitted.values(first)
+        every, values, several = layout.places[group], self.fitted.values(first), len(layout.groups) > 1
         places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
@@ -132,9 +132,7 @@ class Result:
             model=model,
             values=values,
             covariance=covariance,
-            condition_number=solution.condition_number
-            if len(layout.groups) == 1
-            else condition_number(solution.inverse, every),
+            condition_number=condition_number(solution.inverse, every) if several else solution.condition_number,
             dof=float(self.left[parts].sum()),
             residual_rms=residual_rms,
             estimator=fit.name or name_of(self.estimator),
@@ -257,7 +255,5 @@ def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[s
     if not below.any():
         return ()
     names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
-    return (
-        f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
-        "torque is not that of this joint",
-    )
+    text = f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
+    return (f"{text}torque is not that of this joint",)

@@ -83,7 +83,7 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
     step, each = 2e-3, np.ones(len(joints))  # [s]
     late = [shifted({joint: step}) for joint in range(len(joints))]
     found = row_changes(fitted, Effects(late, step * each, 0.1 * each, 0.0 * each))
-    half = found.halves
+    half = np.maximum(found.halves, min(1.33, 0.5 * np.sqrt(found.blocks)) * np.sqrt(np.diag(found.spread)))
     # A torque that is shifted by less than a fifth of a millisecond is as good as on time
     size = np.where(np.abs(found.values) > 2e-4, np.abs(found.values), 0.0)
     doubtful = (size > 0.5 * half) & (size < 1.5 * half)
@@ -164,6 +164,7 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
         for index, one in enumerate(group.motions):
             rows, *changed = (each.decimated(index) for each in (group, *(other.groups[k] for other in effects.others)))
             first = residual(rows, values)
+            changed = [rows if len(each.time) != len(first) else each for each in changed]  # at an edge, by rounding
             changes = np.stack([first - residual(each, values) for each in changed], axis=-1) / effects.steps
             # What is scaled is the fitted torque, less its share of r: noise that shrinks would look like a fault
             power = np.sum(changes[..., effects.scales] ** 2, axis=0)

@@ -16,7 +16,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.signals import Preparation, Recording, choose_preparation
 from exoid.torques.contacts import Split, refuse_dead_switches, refuse_rolling_feet, split
-from exoid.torques.contacts.imu import ROCKS, beside
+from exoid.torques.contacts.imu import ROCKS, misread
 from exoid.torques.contacts.stretches import EDGE
 from exoid.torques.contacts.support_model import SupportModel
 
@@ -78,16 +78,12 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
             what = f"the torque of {', '.join(missing)} is missing, and rows of {' and '.join(links)} need all"
             remedy = f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)"
             raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy, joints=tuple(missing))
-        groups.append(
-            replace(
-                group,
-                model=support,
-                data=tuple(data),
-                preparation=choose_preparation(data, base_rows=plates or not links) if by_noise else group.preparation,
-                links=" and ".join(links) + (" on plates" if plates else "") or MEASURED,
-                findings=() if groups else tuple(findings),
-            )
+        prepared = choose_preparation(data, base_rows=plates or not links) if by_noise else group.preparation
+        name, told = (
+            " and ".join(links) + (" on plates" if plates else "") or MEASURED,
+            () if groups else tuple(findings),
         )
+        groups.append(replace(group, model=support, data=tuple(data), preparation=prepared, links=name, findings=told))
     return groups
 
 
@@ -145,17 +141,21 @@ def _left_out(parts: Split, recording: Recording) -> Iterator[Finding]:
 
 def _places(data: Sequence[Recording], every: Sequence[Split]) -> Iterator[Finding]:
     """Say where the base's sensor is, if all recordings with it at one place tell that it is not where they say."""
-    turns = defaultdict[tuple[float, ...], FloatArray](lambda: np.zeros((5, 5)))
+    turns = defaultdict[tuple[float, ...], FloatArray](lambda: np.zeros((6, 6)))
     for one, parts in zip(data, every, strict=True):
         if one.base is not None:
             turns[tuple(one.base.position.tolist())] += parts.turns
     for position, total in turns.items():
-        if size := float(np.linalg.norm(aside := beside(total))):
+        aside, scale = misread(total)
+        if size := float(np.linalg.norm(aside)):
             place = ", ".join(f"{x:.2f}" for x in position + aside)
             text = f"turns of the base on feet tell that its sensor is {1e3 * size:.0f} mm from where the log says"
             advice = f"say that it is at ({place}) m of the root link: BaseMotion.from_imu(position=), --base-position"
             # 5 cm move the mass of a machine by percents
             yield Finding("imu-position", "", size, "m", "error" if size > 0.05 else "warning", text, advice)
+        if scale != 1.0:
+            text = f"the accelerometer of the base reads {scale:.3g} times what feet that rest tell"
+            yield Finding("imu-scale", "", scale, "1", "error", text, "calibrate it, or divide its readings by that")
 
 
 def rocking_finding(angle: float, then: str, name: str = "", parameters: tuple[str, ...] = ()) -> Finding:

@@ -348,23 +348,19 @@ class TorqueModel(RegressorModel):
             for name in {names[j], without_side(names)[j]} & {*recording.joint_names}:
                 torque = np.nan_to_num(recording.tau[:, recording.joint_names.index(name)])
                 if torque.any():
-                    raise BadArgumentError(
-                        f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
-                        f"{np.abs(torque).max():.3g} N·m",
-                        where=recording.file_name,
-                        remedy="leave its torque out, or take it for an independent joint and another one as dependent",
-                        joints=(name,),
-                    )
+                    what = f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
+                    what += f"{np.abs(torque).max():.3g} N·m"
+                    remedy = "leave its torque out, or take it for an independent joint and another one as dependent"
+                    raise BadArgumentError(what, where=recording.file_name, remedy=remedy, joints=(name,))
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation, [0; τ] + Σ J_cᵀ w_c."""
         rows = np.hstack([np.zeros((len(tau), self.leg.base_rows)), tau]) if self.leg.base_rows else tau
         for link, wrench in wrenches.items():
             if wrench.axes != "link":
-                raise BadArgumentError(
-                    f"the wrench on {link} is in axes of the laboratory",
-                    remedy="turn it into those of the link: exoid.signals.wrenches_on_links(leg, recording)",
-                )
+                what = f"the wrench on {link} is in axes of the laboratory"
+                remedy = "turn it into those of the link: exoid.signals.wrenches_on_links(leg, recording)"
+                raise BadArgumentError(what, remedy=remedy)
             jacobian = self.leg.frame_jacobian(motion.q, link, wrench.point)
             rows = rows + np.einsum("ncr,nc->nr", jacobian, np.hstack([wrench.force, wrench.moment]))
         return rows

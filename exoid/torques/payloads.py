@@ -24,11 +24,9 @@ def payload_parameters(leg: Leg, payloads: Sequence[Payload]) -> FloatArray:
     joints |= {name: place for names in named for name, place in zip(names, carried, strict=True)}
     for payload in payloads:
         if payload.joint not in joints:
-            raise BadArgumentError(
-                f"a payload on {payload.joint!r}, which the leg does not have",
-                where=leg.description.name,
-                remedy=f"its joints are {', '.join(leg.joint_names)}, its links {', '.join(leg.bodies)}",
-            )
+            what = f"a payload on {payload.joint!r}, which the leg does not have"
+            remedy = f"its joints are {', '.join(leg.joint_names)}, its links {', '.join(leg.bodies)}"
+            raise BadArgumentError(what, where=leg.description.name, remedy=remedy)
         inertia = payload.mass * payload.gyration**2 * np.eye(3)
         body = pin.Inertia(payload.mass, np.array(payload.position), inertia)
         added[joints[payload.joint]] += body.toDynamicParameters()

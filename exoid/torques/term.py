@@ -124,10 +124,9 @@ class Term(ABC):
         known = {**dict(zip(labels, range(len(labels)), strict=True)), **{n: i for i, n in enumerate(names)}}
         missing = [joint for joint in self.joints or () if joint not in known]
         if missing:
-            raise BadArgumentError(
-                f"{type(self).__name__} acts on {', '.join(missing)}, which the leg does not have",
-                remedy=f"its joints are {', '.join(names)}",
-            )
+            what = f"{type(self).__name__} acts on {', '.join(missing)}, which the leg does not have"
+            remedy = f"its joints are {', '.join(names)}"
+            raise BadArgumentError(what, remedy=remedy)
         chosen = range(len(names)) if self.joints is None else sorted({known[joint] for joint in self.joints})
         return {labels[joint]: (joint,) for joint in chosen}
 

@@ -140,12 +140,9 @@ class System(NamedTuple):
         taken = np.zeros((2, residuals.angle.shape[1])) if taken is None else taken
         squares = [(residual**2).sum(axis=0) for residual in residuals]
         quiet = QUIET * max(float(np.abs(data.tau).max()) for data in self.moving)
-        return Levels(
-            *(
-                np.maximum(np.sqrt(total / np.maximum(count - lost, 1.0)), least)
-                for total, count, lost, least in zip(squares, self.counts(), taken, (QUIET, quiet), strict=True)
-            )
-        )
+        each = zip(squares, self.counts(), taken, (QUIET, quiet), strict=True)
+        left = ((total / np.maximum(count - lost, 1.0), least) for total, count, lost, least in each)
+        return Levels(*(np.maximum(np.sqrt(square), least) for square, least in left))
 
     def redundancy(self, state: MotionState) -> int:
         """Measured numbers less unknowns."""

@@ -55,11 +55,9 @@ class FittedLeg(NamedTuple):
         noisy = isinstance(self.preparation, (FiniteDifference, MovingAverage))
         preparation = ZeroPhase() if noisy else self.preparation
         data = some_samples(self.model, self.data)
-        arms = {
-            joint: arm
-            for joint, arm in self.arms.items()
-            if all(isinstance(one, Recording) and one.joint_names[joint] in one.computed for one in data)
-        }
+        driven = [{*one.computed} if isinstance(one, Recording) else set() for one in data]
+        names = self.model.leg.joint_names
+        arms = {joint: arm for joint, arm in self.arms.items() if all(names[joint] in each for each in driven)}
         return self._replace(data=tuple(averaged(one, preparation) for one in data), preparation=preparation, arms=arms)
 
     def clock_start(self, one: Recording | Poses) -> float:

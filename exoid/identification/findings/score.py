@@ -211,17 +211,10 @@ class State:
             p_value = p_value_of(score, noise, min(self.dof, blocks))
         if p_value >= limit and gain <= LARGE_GAIN:
             return None
-        return Score(
-            nuisance,
-            C @ step,
-            np.sqrt(np.diag(C @ inverse @ noise @ inverse @ C.T)),
-            p_value,
-            gain,
-            float(-0.5 * self.dof * np.log1p(-gain) - len(step) * np.log(max(self.dof, 2.0))),
-            -plain.moved(columns, C @ step),
-            plain.half * (1.0 if self.like is not None else np.sqrt(1.0 - gain)),
-            self.dof,
-        )
+        delta, std = C @ step, np.sqrt(np.diag(C @ inverse @ noise @ inverse @ C.T))
+        evidence = float(-0.5 * self.dof * np.log1p(-gain) - len(step) * np.log(max(self.dof, 2.0)))
+        half = plain.half * (1.0 if self.like is not None else np.sqrt(1.0 - gain))
+        return Score(nuisance, delta, std, p_value, gain, evidence, -plain.moved(columns, delta), half, self.dof)
 
     def _uneven(
         self, columns: Sequence[int], C: FloatArray, step: FloatArray, noise: FloatArray

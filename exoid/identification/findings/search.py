@@ -317,6 +317,8 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
     effect = f"; it changes the predicted torque of a joint by {fault.change:.2g} of its RMS value"
     rivals = (one for one in fault.alternatives if one.nuisance[:2] != score.nuisance[:2])  # kind and joint
     both = [(score, doubtful), *((one, one.moves > DOUBTFUL_MOVE) for one in rivals)]
+    whole = {*(() if model.leg.closure is None else model.leg.tree_joint_names)}
+    closed = bool(whole) and any(not whole <= {*one.joint_names} for one in fitted.data)
     names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
     for k, (one, is_doubtful) in enumerate(both):
         what, half, interval = one.nuisance, HALF_WIDTH * one.std, None
@@ -327,7 +329,9 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
         if len(one.delta) == 1:
             value, *ends = (kind.value(float(one.delta[0]) + error) for error in (0.0, -float(half[0]), float(half[0])))
             interval = (min(ends), max(ends))
-        others = " or ".join((*names_of[:k], *names_of[k + 1 :]))
+        loops = ["a wrong place in a loop, which angles of its dependent joints would tell,"]
+        loops *= closed and what.kind in ("angle-offset", "angle-scale", "clock", "segment-length", "gravity-direction")
+        others = " or ".join((*names_of[:k], *names_of[k + 1 :], *loops))
         more = f"; {others} would explain this log about as well" if others else ""
         message = f"{kind.message(what, value, one.delta)}{more}{effect if severity == 'error' else ''}"
         names = tuple(all_names[is_doubtful].tolist())

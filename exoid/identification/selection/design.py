@@ -41,15 +41,9 @@ class Design(NamedTuple):
 
     def some(self, rows: NDArray[np.bool_]) -> Design:
         """Take some rows."""
-        return self._replace(
-            recording=self.recording[rows],
-            time=self.time[rows],
-            moves=self.moves[:, rows],
-            tau=self.tau[:, rows],
-            base=self.base[:, rows],
-            friction=tuple(F[rows] for F in self.friction),
-            gain=self.gain[rows],
-        )
+        of_rows = {name: getattr(self, name)[rows] for name in ("recording", "time", "gain")}
+        of_rows |= {name: getattr(self, name)[:, rows] for name in ("moves", "tau", "base")}
+        return self._replace(**of_rows, friction=tuple(F[rows] for F in self.friction))
 
 
 class _Library(NamedTuple):
@@ -111,17 +105,14 @@ def form_design(
             tau, base, gain = rows.tau.T * moves, W[..., :count], each.parallel.gain(each.inside, stretch)
             part = Design(at, rows.time, moves, tau, base, friction, (), 1.0, gain)
             parts.append(part.some(each.inside[where]))
-    return Design(
-        np.concatenate([part.recording for part in parts]),
-        np.concatenate([part.time for part in parts]),
-        np.hstack([part.moves for part in parts]),
-        np.hstack([part.tau for part in parts]),
-        np.concatenate([part.base for part in parts], axis=1),
-        tuple(np.vstack([part.friction[joint] for part in parts]) for joint in range(len(library))),
-        tuple({column: k for k, column in enumerate(of_joint)} for of_joint in library),
-        min(1.0, float(np.mean([each.independent_fraction for each in prepared])) * step),
-        np.concatenate([part.gain for part in parts]),
+    recording, time, gain = (
+        np.concatenate(x) for x in zip(*((x.recording, x.time, x.gain) for x in parts), strict=True)
     )
+    moves, tau, base = (np.concatenate(x, axis=1) for x in zip(*((x.moves, x.tau, x.base) for x in parts), strict=True))
+    friction = tuple(np.vstack([part.friction[joint] for part in parts]) for joint in range(len(library)))
+    places = tuple({column: k for k, column in enumerate(of_joint)} for of_joint in library)
+    share = min(1.0, float(np.mean([each.independent_fraction for each in prepared])) * step)
+    return Design(recording, time, moves, tau, base, friction, places, share, gain)
 
 
 def _rests(prepared: Prepared, unit: FloatArray) -> NDArray[np.bool_]:

@@ -41,13 +41,9 @@ class NormalEquations(NamedTuple):
             sure = 1e8 * base[k, k]  # information about a known parameter, far above that of all rows
             base[k, k] += sure
             torque[k] += sure * value
-        return cls(
-            base,
-            tuple(a.T @ F for a, F in zip(weighted, design.friction, strict=True)),
-            tuple(a.T @ F for a, F in zip(loaded, design.friction, strict=True)),
-            torque,
-            tuple(a.T @ t for a, t in zip(loaded, design.tau, strict=True)),
-        )
+        both = weighted, loaded
+        slid, pulled = (tuple(a.T @ F for a, F in zip(each, design.friction, strict=True)) for each in both)
+        return cls(base, slid, pulled, torque, tuple(a.T @ t for a, t in zip(loaded, design.tau, strict=True)))
 
     def solve(self, active: Active) -> tuple[FloatArray, list[FloatArray]]:
         """Solve for base parameters and the friction coefficients of all joints."""
@@ -64,12 +60,9 @@ class NormalEquations(NamedTuple):
         beside[: len(self.base)] = self.mixed[joint]
         V = scipy.linalg.solve_triangular(L, scale[:, None] * beside, lower=True)
         u = scipy.linalg.solve_triangular(L, scale * right, lower=True)
-        return JointEquations(
-            self.friction[joint] - V.T @ V + np.diag(RIDGE * np.diag(self.friction[joint]) + TINY),
-            self.friction_torque[joint] - V.T @ u,
-            scale * scipy.linalg.solve_triangular(L, u, lower=True, trans="T"),
-            scale[:, None] * scipy.linalg.solve_triangular(L, V, lower=True, trans="T"),
-        )
+        square = self.friction[joint] - V.T @ V + np.diag(RIDGE * np.diag(self.friction[joint]) + TINY)
+        ahead, along = (scipy.linalg.solve_triangular(L, x, lower=True, trans="T") for x in (u, V))
+        return JointEquations(square, self.friction_torque[joint] - V.T @ u, scale * ahead, scale[:, None] * along)
 
     def _factored(self, active: Active) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cholesky factor of the matrix of base and active friction columns, its scale, and the right-hand side."""

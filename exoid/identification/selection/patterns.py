@@ -134,11 +134,8 @@ class Grid(NamedTuple):
         sharp = {column.smoothing for column in columns if column.symbol in DRY and not column.length}
         smoothings = {factor * smoothing for smoothing in sharp for factor in factors}
         slow = {velocity for velocity in velocities if VELOCITIES[0] <= velocity <= VELOCITIES[-1]}
-        return Grid(
-            tuple(sorted({*self.lengths, *lengths})),
-            tuple(sorted({*self.velocities, *slow})),
-            tuple(sorted({*self.smoothings, *smoothings})),
-        )
+        pairs = (self.lengths, lengths), (self.velocities, slow), (self.smoothings, smoothings)
+        return Grid(*(tuple(sorted({*old, *new})) for old, new in pairs))
 
 
 def patterns() -> tuple[Pattern, ...]:

@@ -62,10 +62,8 @@ class Selection:
             return ("the slower seconds do not suffice to predict the faster ones: record longer, at several speeds",)
         if mine <= 1.15 * best.fast:  # set by hand: closer ones are taken for equal
             return ()
-        return (
-            f"{self.candidate.name!r} transfers badly to faster motion: NRMSE {mine:.4f} there, "
-            f"{best.fast:.4f} with {best.name!r}; record faster motions before you rely on it there",
-        )
+        text = f"{self.candidate.name!r} transfers badly to faster motion: NRMSE {mine:.4f} there, {best.fast:.4f}"
+        return (f"{text} with {best.name!r}; record faster motions before you rely on it there",)
 
     def identify(self, recordings: Recording | Sequence[Recording]) -> Estimate:
         """Identify with what was chosen; see :func:`exoid.identify`.
@@ -171,12 +169,10 @@ def select_terms(
     assert isinstance(group.preparation, ZeroPhase)
     several, cutoff = group.motions, group.preparation.cutoff
     if missing := group.unmeasured:
-        raise NotIdentifiableError(
-            f"the friction of {', '.join(missing)} cannot be chosen: that torque was not measured",
-            remedy="lock these joints in the leg",
-            command="name the joints that were measured by --joints",
-            joints=missing,
-        )
+        what = f"the friction of {', '.join(missing)} cannot be chosen: that torque was not measured"
+        remedy = "lock these joints in the leg"
+        command = "name the joints that were measured by --joints"
+        raise NotIdentifiableError(what, remedy=remedy, command=command, joints=missing)
     late = {}  # delays of torques, if all are late: friction would be chosen to imitate them
     with suppress(ExoidError):
         # One joint that is late, or torques that are early, may be friction of another form.

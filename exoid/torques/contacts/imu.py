@@ -17,7 +17,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
 from exoid.signals import BaseMotion, Recording
 
-from .standing_base import StandingBase, standing_reading
+from .standing_base import StandingBase, standing_reading, tilt_of_sole
 
 LEAST = 1.0
 """Shortest rest of all feet together from which a bias is estimated [s]."""
@@ -202,45 +202,53 @@ def _apart(read: FloatArray, said: FloatArray) -> float:
 
 
 def turns_on_feet(
-    base: BaseMotion, still: Mapping[str, StandingBase], resting: Mapping[str, NDArray[np.bool_]], rate: float
+    leg: Leg, log: Recording, still: Mapping[str, StandingBase], resting: Mapping[str, NDArray[np.bool_]]
 ) -> FloatArray:
-    """Sum products of what a sensor 1 m away along each axis, or 1 s late, would read beside, and of what it does."""
-    # A sensor at r from there reads f' = f + α × r + ω × (ω × r), as BaseKinematics.specific_force_at. Biases are slow:
-    # means of each rest are left out. A lean of the ground turns with the base that pitches, and is left out, too.
-    tables = [np.zeros((0, 7))]
+    """Sum products of what errors of a sensor would read while feet are flat, and of what it reads beside, (6, 6)."""
+    # It may be 1 m away along each axis, where f' = f + α × r + ω × (ω × r) as BaseKinematics.specific_force_at, 1 s
+    # late, or read twice as much. Biases are slow: means of each rest are left out. So are a lean of the ground, which
+    # turns with the base, and soles that yield under their torque, at once and with time, as a late sensor seems to.
+    base, rate, tables = log.base, log.sample_rate, [np.zeros((0, 10))]
+    assert base is not None
     for link, flags in resting.items():
         rests = still[link]
         assert rests.pose is not None
         level = np.moveaxis(rests.pose.rotation[:, :2], 1, 0)  # level axes in those of the base
-        omega, alpha = rests.angular_velocity, np.gradient(rests.angular_velocity, axis=0) * rate
+        lean, omega = tilt_of_sole(leg, log, link)[:, :2, np.newaxis], rests.angular_velocity
+        yields = lean[:, 1] * level[0] - lean[:, 0] * level[1]
+        slow, alpha, later = (np.gradient(x, axis=0) * rate for x in (yields, omega, -rests.specific_force))
         arms = (np.cross(alpha, e) + np.cross(omega, np.cross(omega, e)) for e in np.eye(3))
-        later = -np.gradient(rests.specific_force, axis=0) * rate
-        each = np.stack([*level, *arms, later, base.specific_force - rests.specific_force], axis=-1)
-        columns = scipy.ndimage.gaussian_filter1d(each, 0.04 * rate, axis=0)
+        read = rests.specific_force, base.specific_force - rests.specific_force
+        columns = np.stack([*level, yields, slow, *arms, later, *read], axis=-1)
+        columns = scipy.ndimage.gaussian_filter1d(columns, 0.04 * rate, axis=0)
         inner = scipy.ndimage.binary_erosion(flags, iterations=max(1, round(2.0 * ENDS * rate)))
         changes = np.flatnonzero(np.diff(inner, prepend=False, append=False)).reshape(-1, 2).tolist()
         pieces = (columns[start:end] for start, end in changes if end - start > LEAST * rate)
-        tables += [(piece - piece.mean(axis=0)).reshape(-1, 7) for piece in pieces]
-    square = np.vstack(tables).T @ np.vstack(tables)
-    of_lean = np.linalg.pinv(square[:2, :2], rcond=0.01, hermitian=True) @ square[:2, 2:]
-    return np.asarray(square[2:, 2:] - square[2:, :2] @ of_lean)
+        tables += [(piece - piece.mean(axis=0)).reshape(-1, 10) for piece in pieces]
+    of_ground, errors = np.hsplit(np.vstack(tables), [4])
+    of_ground /= np.maximum(np.linalg.norm(of_ground, axis=0), 1e-12)
+    errors -= of_ground @ np.linalg.lstsq(of_ground, errors, rcond=0.1)[0]
+    return np.asarray(errors.T @ errors)
 
 
-def beside(turns: FloatArray) -> FloatArray:
-    """Find how far a sensor is from its place, as turns on flat feet tell; in axes of the base [m], (3,), or zero."""
-    place = np.linalg.pinv(turns[:3, :3], rcond=0.01, hermitian=True) @ turns[:3, 4]  # turns about one axis tell two
-    # Of what is quick in the difference from the feet (variance), right places explain 0.015 at most, and places 7 cm
-    # off 0.095 at least (nine walkers, seeds 20 to 33). Feet that rock explain 0.5, by a place 0.75 m away: the ground.
-    told = 0.03 < np.linalg.norm(place) < 0.5 and float(place @ turns[:3, 4]) > 0.05 * turns[4, 4]
-    return place if told else np.zeros(3)
+def misread(turns: FloatArray) -> tuple[FloatArray, float]:
+    """Find how far a sensor is from its place, in axes of the base [m], (3,), or how many times it reads the force."""
+    place = np.linalg.pinv(turns[:3, :3], rcond=0.01, hermitian=True) @ turns[:3, 5]  # turns about one axis tell two
+    scale = turns[4, 5] / turns[4, 4] if turns[4, 4] else 0.0
+    # Of what is quick in the difference from the feet (variance), right places explain 0.042 at most, and places 7 cm
+    # off 0.188 at least, right scales 0.005, and 1.03 or 0.98 at least 0.12, more than a place does (14 walkers, seeds
+    # 20 to 34). Feet that rock explain 0.5, by a place 0.75 m away: the ground.
+    shares = np.array([place @ turns[:3, 5], scale * turns[4, 5]])
+    told = shares > max(0.1 * turns[5, 5], shares.max() - 1e-12 * turns[5, 5])
+    return place * (told[0] and 0.03 < np.linalg.norm(place) < 0.5), 1.0 + scale * float(told[1])
 
 
 def late(turns: FloatArray) -> float:
     """Find how much later than the angles a sensor reads, as turns on flat feet tell [s], or zero."""
-    # Of the same variance, in one recording, a delay explains 0.07 at most on time, 0.28 on soft ground, nothing where
-    # feet rock, and 0.58 at least where it is 20 ms (walkers, seeds 20 to 34).
-    told = turns[3, 4] ** 2 > 0.45 * turns[3, 3] * turns[4, 4]
-    return float(turns[3, 4] / turns[3, 3]) if told else 0.0
+    # Of the same variance, in one recording, a delay explains 0.07 at most on time, also on soft ground and where feet
+    # rock, and 0.16 at least where it is 20 ms and no foot rocks (14 walkers, seeds 20 to 34). Without noise 5 ms do.
+    delay = turns[3, 5] / max(turns[3, 3], 1e-300)
+    return float(delay) if abs(delay) > 0.01 and delay * turns[3, 5] > 0.1 * turns[5, 5] else 0.0
 
 
 def _within_scatter(differences: FloatArray) -> bool:

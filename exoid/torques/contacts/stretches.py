@@ -68,7 +68,7 @@ class Split(NamedTuple):
     visible: float  # slowest slip of all feet alike that the motion of the base shows [m/s]; zero where it shows none
     near: float  # time around a touch-down that was left out [s]
     late: Mapping[str, float]  # time by which the switches of a foot closed too late [s]; contacts begin earlier by it
-    turns: FloatArray  # what turns on flat feet say of the base's sensor, (5, 5), see :func:`~.imu.turns_on_feet`
+    turns: FloatArray  # what turns on flat feet say of the base's sensor, (6, 6), see :func:`~.imu.turns_on_feet`
     delay: float  # time by which this sensor reads later than the angles [s], which was taken out; negative for earlier
 
 
@@ -193,15 +193,15 @@ def _without_bias(
     """Take errors of the inertial measurement unit out that feet at rest tell; these, slips, its turns and delay."""
     base, slip, imu, rate = raw.base, Slip(np.zeros(len(raw), dtype=np.bool_), 0.0), None, raw.sample_rate
     if base is None or not leg.base_rows:
-        return raw, imu, slip, np.zeros((5, 5)), 0.0
+        return raw, imu, slip, np.zeros((6, 6)), 0.0
     still = {link: standing_reading(leg, raw, link, base.position) for link in soles}
     refuse_turned(leg, raw, still, soles)
-    turns = turns_on_feet(base, still, soles, rate)
+    turns = turns_on_feet(leg, raw, still, soles)
     # a pose is as late as wrenches in axes of the laboratory, and stays
     delay = 0.0 if base.pose is not None else late(turns) or (0.0 if session is None else session.delay)
     if delay:
         base = base.interpolated(raw.time, np.clip(raw.time + delay, raw.time[0], raw.time[-1]))
-        turns = turns_on_feet(base, still, soles, rate)
+        turns = turns_on_feet(leg, replace(raw, base=base), still, soles)
     corrected = base
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}

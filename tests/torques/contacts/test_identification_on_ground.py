@@ -15,6 +15,7 @@ from exoid.estimate.ground_prediction import level_wrench
 from exoid.signals import ZeroPhase
 from exoid.torques.contacts import refuse_dead_switches, split
 from exoid.torques.contacts.imu import CorrectedBase
+from exoid.torques.contacts.standing_base import tilt_of_sole
 
 NOISE, ENCODER = 0.4, 1e-4
 AIR = dict.fromkeys(("left_foot", "right_foot"), np.zeros(3750, dtype=bool))
@@ -144,6 +145,18 @@ def test_a_fault_of_one_joint_is_named(exo, stance, kind, joint, size):
 
 
 @pytest.mark.slow
+def test_zeros_of_both_knees_and_a_slow_clock_are_named(exo, stance):
+    """No single joint explains both knees: M was 3 % off in intervals of 0.1 %. A slow clock was a wrong load cell."""
+    every, knees = [log.recording for log in stance], 0.05 * np.array([0, 1, 0, 0, 1, 0])
+    bent = exoid.identify(exo, [replace(one, q=one.q + knees) for one in every], TERMS).findings
+    told = {one.joint: one.value for one in bent if one.kind in KINDS}
+    assert told == pytest.approx({"left_knee": 0.05, "right_knee": 0.05}, abs=0.005)
+    slow = exoid.identify(exo, [replace(one, time=0.9 * one.time) for one in every], TERMS).findings
+    (clock,) = [one for one in slow if one.kind in (*KINDS, "clock", "known-torque")]
+    assert (clock.kind, clock.value) == ("clock", pytest.approx(-0.1, abs=0.01))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["swing labelled as stance", "stance labelled as swing"])
 def test_wrong_contacts_are_left_out(exo, stance, estimate, kind):
     both, left, right = stance
@@ -185,6 +198,27 @@ def test_a_sensor_that_is_elsewhere_is_named(exo, stance, height, severity):
     found = [one for one in exoid.check(exo, logs, terms=TERMS) if one.kind == "imu-position"]
     assert [one.severity for one in found] == [severity]
     assert found[0].value == pytest.approx(height, abs=0.005)
+
+
+@pytest.mark.slow
+def test_an_accelerometer_that_reads_too_much_is_named(exo, stance):
+    """Its scale was taken for a sensor that is 4 cm elsewhere, or passed unseen."""
+    logs = [with_imu(log, k) for k, log in enumerate(stance)]
+    more = [replace(one, base=replace(one.base, specific_force=1.03 * one.base.specific_force)) for one in logs]
+    found = [one for one in exoid.check(exo, more, terms=TERMS) if one.kind in ("imu-position", "imu-scale")]
+    assert [(one.kind, one.value) for one in found] == [("imu-scale", pytest.approx(1.03, abs=0.005))]
+
+
+@pytest.mark.parametrize("late", [0, 6])
+def test_soles_that_yield_are_no_late_sensor(exo, stance, late):
+    """Soft ground lags behind the torque on it: such a sensor was said to be 43 ms late."""
+    log = with_imu(stance[1], 1)
+    tilt = tilt_of_sole(exo, log, "left_foot")
+    lean = 3e-4 * tilt + 1e-4 * np.gradient(tilt, log.time, axis=0)
+    force = log.base.specific_force + np.cross(log.base.specific_force, lean)
+    base = replace(log.base, specific_force=force).rows(np.maximum(np.arange(len(log)) - late, 0))
+    delay = split(exo, replace(log, base=base)).delay
+    assert delay == pytest.approx(late / log.sample_rate, abs=0.006)
 
 
 @pytest.mark.slow
