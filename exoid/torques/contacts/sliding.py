@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from functools import partial
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -107,20 +107,24 @@ def refuse_rolling_feet(leg: Leg, data: Sequence[Recording]) -> None:
         # 0.00 on walkers, seeds 20 to 29, whose ground leans, rocks, slides or is soft; 1.00 in the rig's walk
         share = _turning(leg, feet, one, one.q)
         if share > 0.5 and all(_turning(leg, feet, one, q) > 0.5 for _, q in angle_mistakes(one)):
-            what = f"for {share:.0%} of the time on both feet one of them turns: feet roll from heel to toe"
+            what = f"for {share:.0%} of the time of steps one of two feet turns: feet roll from heel to toe"
             remedy = "record an IMU on the torso, or say when a foot is on its heel or toe: contact_<foot>_heel, …_toe"
             what = f"{what}, and do not say how the base moves"
             raise UnreadableInputError(what, where=one.file_name, remedy=remedy)
 
 
 def _turning(leg: Leg, feet: Sequence[str], one: Recording, q: FloatArray) -> float:
-    """Share of the time on two feet in which one of them turns against the other; zero where it is short."""
-    # on one foot alone, a base that turns and a foot that rolls look alike
+    """Share of the time of steps from one foot to another in which they turn against each other; zero if short."""
+    # On one foot alone, a base that turns and a foot that rolls look alike. Where the same foot stands before and
+    # after, the other one bore nothing: its contact is wrong.
     slow, turned, both = slow_part(q, one.sample_rate, LOOK), 0, 0
     for pair in combinations(feet, 2):
         _, turns = _apart(*(motion_on(leg, link, slow, one.time) for link in pair))
-        down = np.logical_and(*(one.contacts[link] for link in pair))
-        turned, both = turned + int(np.count_nonzero(turns & down)), both + int(np.count_nonzero(down))
+        down = np.column_stack([one.contacts[link] for link in pair])
+        changes = np.flatnonzero(np.diff(down.all(axis=1))) + 1
+        for begin, end in pairwise(changes.tolist()):
+            if down[begin].all() and (down[begin - 1] != down[end]).any():
+                turned, both = turned + int(np.count_nonzero(turns[begin:end])), both + end - begin
     return turned / both if both > 0.1 * one.sample_rate else 0.0
 
 
