@@ -18,7 +18,7 @@ from exoid.leg.link_frames import lowest_point
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
-from exoid.signals import Recording, Wrench, ZeroPhase, choose_preparation
+from exoid.signals import Recording, Wrench
 from exoid.signals.cutoff import noisier, noisier_base, white_noise
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
@@ -98,9 +98,6 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
         elif link not in contacts:  # such as a harness
             others[link] = wrench
     recording, inside = replace(recording, contacts=contacts, wrenches=others), np.zeros(len(recording), dtype=np.bool_)
-    if (fast := choose_preparation([recording]).kinematics_cutoff) is not None:
-        # where touch-downs shake the leg, much of the force is faster than what the training was filtered at
-        estimate = replace(estimate, preparation=ZeroPhase(fast, fast))
     inside[estimate.preparation.kinematics(recording).valid] = True
     settled, parallel = inside, estimate.preparation.parallel(recording.sample_rate)
     if parallel is not None:  # at the ends of a log its low-pass has but one side
