@@ -73,8 +73,8 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     """Predict the wrenches of the ground on resting links from motion and joint torques.
 
     J_cᵀ w = W β − [0; τ] holds for base and joint rows. It is solved by least squares, each row weighted by the errors
-    of its torque and of the parameters, after both sides have passed the filter of the estimate. Where wrenches of the
-    links were measured, contacts are found from them, and the wrenches are not used otherwise.
+    of its torque and of the parameters, after both sides have passed the filter of the estimate. Measured wrenches of
+    these links tell contacts, and no more. Bands miss the force of steps and landings that is faster than this filter.
 
     Args:
         estimate: Estimate of a leg with a floating base, on a rail, or on a base that is held.
