@@ -99,10 +99,12 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
             of_one.append((gain[k], place._replace(columns=(tested[k],), mix=((1.0,),))))
         for joint, mix in enumerate(loads):
             every = np.pad(mix, ((0, 0), (len(tested), 0)))
-            seen = every[np.diag(every @ whole @ every.T) > 0.0]
+            size, acts = np.zeros(len(every)), np.diag(every @ whole @ every.T) > 0.0
+            seen = every[acts]
             damped = seen @ information @ seen.T + 0.01 * np.diag(np.diag(seen @ whole @ seen.T))
-            explained = float(seen @ score @ scaled_inverse(damped) @ seen @ score) / rss
-            if explained > 0.1:
+            size[acts] = scaled_inverse(damped) @ seen @ score
+            explained = float(score @ every.T @ size) / rss
+            if explained > 0.1 and abs(size[4]) < 2.0 * np.linalg.norm(size[1:4]):  # its moments are within 2 m [m]
                 evidence = -0.5 * state.dof * np.log1p(-min(explained, 1.0 - 1e-12)) - len(seen) * np.log(state.dof)
                 load = place._replace(columns=tuple(range(rigid)), mix=tuple(map(tuple, mix.tolist())), joint=joint)
                 of_load.append((float(evidence), load))
