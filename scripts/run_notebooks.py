@@ -1,8 +1,9 @@
 """Execute notebooks and store what they print, so that the site and GitHub show it.
 
 ``python scripts/run_notebooks.py`` runs all, ``python scripts/run_notebooks.py 4 7`` those whose names begin so.
-``--check``, as in ``.ci/run``, stores nothing: texts that differ from those stored are an error. It compares neither
-pictures nor numbers below 1e-9, which are rounding. It needs ``pip install -e '.[test]'``. Each notebook runs in an
+``--check`` stores nothing: texts that differ from those stored are an error. It compares neither pictures nor numbers
+below 1e-9, which are rounding. ``--words``, as in ``.ci/run``, compares no number: other processors round, and plan,
+otherwise. It needs ``pip install -e '.[test]'``. Each notebook runs in an
 interpreter of its own, in an empty folder. What differs between two runs of the same code is left out: counts of
 executions, times, versions of the interpreter, addresses of objects, and the name of the folder.
 """
@@ -14,6 +15,7 @@ import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from difflib import unified_diff
+from functools import partial
 from pathlib import Path
 from time import monotonic
 
@@ -33,21 +35,23 @@ ADDRESS = re.compile(r" at 0x[0-9a-f]{6,}")
 ROUNDING = re.compile(r"\d\.?\d*e-[1-9]\d")
 """Numbers below 1e-9, which another processor rounds otherwise."""
 
+NUMBER = re.compile(r"[-+]?\d[\d.,]*(e[-+]?\d+)?")
+
 LONGEST = 600
 """Time that a cell may take [s]."""
 
 
 def main() -> None:
     """Execute the notebooks that the command line names by their beginnings, all without one."""
-    check = "--check" in sys.argv
-    named = [each for each in sys.argv[1:] if each != "--check"]
+    check, words = "--check" in sys.argv, "--words" in sys.argv
+    named = [each for each in sys.argv[1:] if each not in ("--check", "--words")]
     beginnings = tuple(f"{each}_" if each.isdigit() else each for each in named) or ("",)
     chosen = [path for path in sorted(NOTEBOOKS.glob("*.ipynb"), key=number) if path.name.startswith(beginnings)]
     if not chosen:
         sys.exit(f"no notebook in {NOTEBOOKS} begins with {' or '.join(beginnings)}")
-    if check:
+    if check or words:
         with ProcessPoolExecutor(2) as pool:
-            stale = "".join(pool.map(compare, chosen))
+            stale = "".join(pool.map(partial(compare, words=words), chosen))
         sys.exit(f"{stale}python scripts/run_notebooks.py stores what they print now" if stale else 0)
     for path in chosen:
         start = monotonic()
@@ -83,17 +87,20 @@ def store(path: Path) -> bool:
     return after != before
 
 
-def compare(path: Path) -> str:
+def compare(path: Path, *, words: bool) -> str:
     """Execute a notebook and compare what it prints with what it stores.
 
     Args:
         path: The notebook.
+        words: Whether words alone are compared, without numbers, spaces and rules of tables.
 
     Returns:
         The difference; empty if there is none.
     """
     before = path.read_text(encoding="utf-8")
-    texts = (printed(nbformat.reads(before, as_version=4)), printed(executed(before)))
+    texts = [printed(nbformat.reads(before, as_version=4)), printed(executed(before))]
+    if words:  # lines break elsewhere where a number has another digit
+        texts = [re.sub(r"[\s─]+", "\n", NUMBER.sub("", "\n".join(lines))).splitlines() for lines in texts]
     difference = unified_diff(*texts, f"{path.name}, stored", f"{path.name}, now", n=0, lineterm="")
     return "".join(f"{line}\n" for line in difference)
 
