@@ -149,7 +149,7 @@ def stretch_forces(
         twice = parallel.among_zeros(once, every, recording.mask) / parallel.gain(recording.mask, every)
         squares = (once - twice)[:, recording.mask].T ** 2
         smeared = 2.0 * scipy.ndimage.uniform_filter1d(squares, round(parallel.rate / parallel.cutoff), axis=0)
-    half = half_width(0.95, estimate.dof) * np.sqrt(std**2 + of_motion + smeared)
+    half = half_width(0.95, estimate.dof) * np.sqrt(np.maximum(std**2 + of_motion + smeared, 0.0))  # sums leave −1e-45
     forces, time = [], recording.time[recording.mask]
     for k in range(len(feet)):
         wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found, half))
