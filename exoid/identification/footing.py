@@ -122,7 +122,8 @@ def find_footing(fitted: Fitted, about: Footing | None = None, *, rocking: bool 
     found, soles = row_changes(fitted, footing_effects(fitted, start)), len(links)
     free = values + found.values
     values = np.append(np.maximum(free[:soles], 0.0), free[soles:])
-    doubt = (free - values) ** 2  # soles are stiffer under more load
+    # a compliance varies by a part of itself: soles are stiffer under more load
+    doubt = (free - values) ** 2
     doubt[:soles] += (0.2 * values[:soles]) ** 2
     covariance, spread = found.covariance + np.diag(doubt), found.spread + np.diag(doubt)
     return start._replace(found=found._replace(values=values, covariance=covariance, spread=spread))

@@ -59,7 +59,8 @@ class _Joint(NamedTuple):
     W: FloatArray  # columns of the parameters
     Z: FloatArray  # columns of the alternatives
     residual: FloatArray  # residuals
-    unit: FloatArray  # coefficients with which alternatives have the joint's RMS torque, (K,)
+    # coefficient of each alternative whose torque has the RMS of that of the joint, (K,); 0 for one without
+    unit: FloatArray
 
     @staticmethod
     def of(rows: Sequence[Rows], j: int, values: FloatArray, residual_rms: float) -> _Joint:

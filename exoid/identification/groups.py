@@ -64,8 +64,10 @@ def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> 
     model = groups[0].model
     for other in groups[1:]:
         if other.model.names != model.names or other.model.units != model.units:
-            what = f"parameters of {groups[0].name} are {', '.join(model.names)}, those of {other.name} "
-            what += f"{', '.join(other.model.names)}"
+            what = (
+                f"parameters of {groups[0].name} are {', '.join(model.names)}, those of {other.name} "
+                f"{', '.join(other.model.names)}"
+            )
             remedy = "identify legs of one design, with the same joints, together"
             raise BadArgumentError(what, remedy=remedy)
     rigid = model.leg.parameter_names
@@ -132,6 +134,8 @@ def shared_agreement(
     covariance = scipy.linalg.block_diag(*blocks)
     equality = equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs))
     below = ", ".join(equality.below(0.01))  # in 1 % of groups that do share their parameters
-    warning = f"groups do not agree on {below}, which they share, by more than noise explains: make these own, or find "
-    warning += "out what else differs"
+    warning = (
+        f"groups do not agree on {below}, which they share, by more than noise explains: make these own, or find "
+        "out what else differs"
+    )
     return equality, (warning,) if below else (), ()

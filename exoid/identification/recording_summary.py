@@ -120,10 +120,14 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
         found = "; ".join(f"the torque of joint {j} is {x + 0.0:.6g} N·m in every sample" for j, x in dead.items())
         mend = f"connect its torque channel, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}"
         what = f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}"
-        remedy = f"{mend}; a joint without an actuator is passive={tuple(dead)!r}, one without a sensor "
-        remedy += f"unmeasured={tuple(dead)!r}"
-        command = f"{mend}; give --passive {','.join(dead)} for a joint without an actuator, --unmeasured "
-        command += f"{','.join(dead)} for one without a sensor"
+        remedy = (
+            f"{mend}; a joint without an actuator is passive={tuple(dead)!r}, one without a sensor "
+            f"unmeasured={tuple(dead)!r}"
+        )
+        command = (
+            f"{mend}; give --passive {','.join(dead)} for a joint without an actuator, --unmeasured "
+            f"{','.join(dead)} for one without a sensor"
+        )
         raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy, command=command, joints=tuple(dead))
     for index, joint in enumerate(names):
         for one, torques in measured:

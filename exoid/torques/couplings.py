@@ -65,8 +65,10 @@ class CoordinateTerm(Term):
         if len(set(places)) < len(places):
             raise BadArgumentError(f"{type(self).__name__} names a joint twice: {', '.join(self.joints or ())}")
         if self.loaded or self.internal_state is not None:
-            what = f"{type(self).__name__} {'depends on the load' if self.loaded else 'has memory'}, which a term of "
-            what += "several joints cannot"
+            what = (
+                f"{type(self).__name__} {'depends on the load' if self.loaded else 'has memory'}, which a term of "
+                "several joints cannot"
+            )
             remedy = "let it depend on positions, velocities and accelerations, or use a term of one joint"
             raise BadArgumentError(what, remedy=remedy)
         return {self.name or "_".join(labels[joint] for joint in places): places}

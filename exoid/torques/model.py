@@ -348,8 +348,10 @@ class TorqueModel(RegressorModel):
             for name in {names[j], without_side(names)[j]} & {*recording.joint_names}:
                 torque = np.nan_to_num(recording.tau[:, recording.joint_names.index(name)])
                 if torque.any():
-                    what = f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
-                    what += f"{np.abs(torque).max():.3g} N·m"
+                    what = (
+                        f"joint {name} follows from a closed loop and is passive, and has a torque of up to "
+                        f"{np.abs(torque).max():.3g} N·m"
+                    )
                     remedy = "leave its torque out, or take it for an independent joint and another one as dependent"
                     raise BadArgumentError(what, where=recording.file_name, remedy=remedy, joints=(name,))
 

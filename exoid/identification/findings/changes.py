@@ -104,7 +104,8 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
             damped = seen @ information @ seen.T + 0.01 * np.diag(np.diag(seen @ whole @ seen.T))
             size[acts] = scaled_inverse(damped) @ seen @ score
             explained = float(score @ every.T @ size) / rss
-            if explained > 0.1 and abs(size[4]) < 2.0 * np.linalg.norm(size[1:4]):  # its moments are within 2 m [m]
+            # a load within 2 m of its joint has no larger inertia [kg·m²] beside its mass moment [kg·m]
+            if explained > 0.1 and abs(size[4]) < 2.0 * np.linalg.norm(size[1:4]):
                 evidence = -0.5 * state.dof * np.log1p(-min(explained, 1.0 - 1e-12)) - len(seen) * np.log(state.dof)
                 load = place._replace(columns=tuple(range(rigid)), mix=tuple(map(tuple, mix.tolist())), joint=joint)
                 of_load.append((float(evidence), load))

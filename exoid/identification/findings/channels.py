@@ -141,8 +141,10 @@ def _frozen(channel: Channel, runs: Sequence[tuple[int, int]]) -> Iterator[Findi
     start, end = channel.time[first], channel.time[stop - 1]
     more = f" and {len(runs) - 1} other times" if len(runs) > 1 else ""
     share = count / len(channel.x)
-    message = f"the {channel.noun} keeps one value from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of the log) "
-    message += "although the leg moves: the channel froze"
+    message = (
+        f"the {channel.noun} keeps one value from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of the log) "
+        "although the leg moves: the channel froze"
+    )
     remedy = "use the part of the log before or after it (Recording.between, --start, --stop)"
     severity: Severity = "error" if share > 0.02 else "warning"
     yield Finding("stuck-channel", channel.joint, count / channel.rate, "s", severity, message, remedy)
@@ -168,9 +170,11 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         return
     share = float(np.mean((steps == 0.0) & counts)) / max(share_of, 0.1)
     if share >= least:
-        message = f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor "
-        message += f"answers (about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is "
-        message += "late by up to a sample of the sensor"
+        message = (
+            f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor "
+            f"answers (about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is "
+            "late by up to a sample of the sensor"
+        )
         remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
         yield Finding("stale-samples", channel.joint, share, "1", "warning", message, remedy)
 
@@ -190,8 +194,10 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     odd &= deviation > 12.0 * quantum(x)
     if (odd & (x == 0.0)).sum() >= max(3, 0.002 * len(x)):
         share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
-        message = f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled "
-        message += "with zeros"
+        message = (
+            f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled "
+            "with zeros"
+        )
         remedy = "remove these samples, or write NaN where there is no value and interpolate short gaps"
         yield Finding("dropout", channel.joint, share, "1", "error", message, remedy)
         odd &= x != 0.0
@@ -202,8 +208,12 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     odd &= np.minimum(*(size * part for part in beside)) < 0.3 * size**2
     if odd.sum() >= max(4, 0.002 * len(x)):
         share, lean = float(np.mean(odd)), float(np.mean(np.sign(apart[odd])))
-        message = f"{share:.1%} of the {channel.noun}s are spikes of {np.median(deviation[odd]):.3g} {channel.unit}"
-        message += ", nearly all to one side, which looks like an offset" if abs(lean) > 0.5 else ""
+        message = (
+            f"{share:.1%} of the {channel.noun}s are spikes of {np.median(deviation[odd]):.3g} {channel.unit}"
+            ", nearly all to one side, which looks like an offset"
+            if abs(lean) > 0.5
+            else ""
+        )
         remedy = "remove them at their source, or identify with the estimator huber"
         yield Finding("spikes", channel.joint, share, "1", "warning", message, remedy)
 

@@ -102,7 +102,6 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
     found, names = list[Finding](), fitted.model.names
     told = {names.index(name): x for name, x in fitted.told.items() if name in names}
     # friction of another form makes no body another one
-    # friction of another form makes no body another one
     friction = [k for k, one in enumerate(fitted.library.columns) if one.kind in (*FORMS, "sharpness", "reversals")]
     while told:
         # a grossly wrong value would hide in the residuals of a fit that keeps it

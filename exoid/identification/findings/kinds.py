@@ -128,7 +128,8 @@ KINDS = {
     ),
     "clock": Kind(
         1e-3,
-        "the motion is {size:.3g} % {sign} than its stamps say, or a length is wrong: coupling contradicts gravity",
+        "the motion is {size:.3g} % {sign} than the time stamps say, or a length is wrong: coupling and gravity "
+        "contradict each other",
         "compare the stamps with another clock, and check the lengths of all segments",
         signs=("faster", "slower"),
     ),

@@ -34,7 +34,8 @@ class CheckedFit(NamedTuple):
     below: NDArray[np.bool_]  # parameters that are negative although they cannot be, (P,)
     spread: FloatArray  # standard deviation of the torque [N·m], 0 for a joint without rows, (n,)
     nrmse: FloatArray  # RMS residual over that, (n,)
-    persistence: FloatArray  # correlation of neighbouring residuals, near 0 for noise of a sensor, (n,)
+    # correlation of residuals from one row to the next: near 0 for noise of a sensor, near 1 for a motion, (n,)
+    persistence: FloatArray
     residuals: list[FloatArray]  # of each recording, or zero for poses, (N, n) [N·m]
 
     @classmethod
@@ -107,10 +108,14 @@ def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
         looks = "as N·mm would be, or a current in mA times N·m per A"
     elif size < 1.0:
         looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-    message = f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias "
-    message += f"ask for, {looks}; the log alone cannot tell"
-    remedy = "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
-    remedy += "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    message = (
+        f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias "
+        f"ask for, {looks}; the log alone cannot tell"
+    )
+    remedy = (
+        "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
+        "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
+    )
     # Inertias of a CAD model are wrong five-fold, not a hundred-fold: only that must be the unit. The torques of
     # other joints ask for another scale if it is one joint's unit, and for none if it is a body's mass.
     severity: Severity = "error" if not 0.05 < size < 20.0 else "warning"
@@ -154,8 +159,10 @@ def impossible_leg(
         return
     away = f"{apart:.3g} standard deviations away"
     message = f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {away}"
-    remedy = "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs "
-    remedy += "that the model lacks also do this"
+    remedy = (
+        "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs "
+        "that the model lacks also do this"
+    )
     # but they make no mass negative: of a machine on a floating base, or of all links behind a prismatic joint
     K, of_masses = leg.reduction.collect, np.arange(leg.reduction.collect.shape[1]) % 10 == 0
     masses = (np.abs(K[:, ~of_masses]) < 1e-9).all(axis=1) & (K[:, of_masses] > -1e-9).all(axis=1)
@@ -204,8 +211,10 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
         if first == 0 and len(turns) > 1:
             kind, joint, value, remedy = "gravity-direction", "", -value, f"level the base, and {remedy}"
             reason = "the base is tilted by that, or the zero of the first angle is wrong"
-        message = f"mass moments of {behind} lie {abs(np.degrees(angle)):.3g}° from their directions in the URDF: "
-        message += f"{reason}, or the URDF is wrong; the log alone cannot tell"
+        message = (
+            f"mass moments of {behind} lie {abs(np.degrees(angle)):.3g}° from their directions in the URDF: "
+            f"{reason}, or the URDF is wrong; the log alone cannot tell"
+        )
         yield Finding(kind, joint, value, "rad", "info", message, remedy, (value - 2.0 * error, value + 2.0 * error))
 
 
@@ -218,9 +227,9 @@ def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) 
         if nrmse <= (0.15 if lasting else 0.5):
             continue
         remedy = (
-            "check whether this channel is the torque of this joint, contacts, straps and cables; if the torso moved, "
+            "check whether this channel is the torque of this joint, and for contacts, straps and cables; if the torso "
+            "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         )
-        remedy += "record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
         message, names = message + _when(checked, j), tuple(np.array(model.names)[model.acting[j]].tolist())
         yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, None, names)

@@ -322,10 +322,8 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
     names_of = [" at ".join(filter(None, (one.nuisance.kind, one.nuisance.joint))) for one, _ in both]
     for k, (one, is_doubtful) in enumerate(both):
         what, half, interval = one.nuisance, HALF_WIDTH * one.std, None
-        kind, value = (
-            KINDS[what.kind],
-            float(np.linalg.norm(one.delta[1:4] if what.kind == "wrong-load" else one.delta)),
-        )
+        size = one.delta[1:4] if what.kind == "wrong-load" else one.delta  # of a load its mass moment
+        kind, value = KINDS[what.kind], float(np.linalg.norm(size))
         if len(one.delta) == 1:
             value, *ends = (kind.value(float(one.delta[0]) + error) for error in (0.0, -float(half[0]), float(half[0])))
             interval = (min(ends), max(ends))

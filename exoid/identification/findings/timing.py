@@ -113,8 +113,10 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     lost = float(sum(gap[k] for k in places))
     error = max(2.0 / float(np.sqrt(information[worst])), 0.5 / rate)  # no finer than half an interval
     when = f"{recording.time[worst + WINDOW - 1]:.3f} s"
-    message = f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at {when} all "
-    message += f"angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
+    message = (
+        f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at {when} all "
+        f"angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
+    )
     interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
     yield Finding("missing-samples", "", lost, "s", "warning", message, SPLIT, interval)
 
@@ -147,7 +149,9 @@ def loop_gaps(closure: Closure, recording: Recording) -> Iterator[Finding]:
     for loop, gap in zip(closure.loops.loops, gaps.T, strict=True):
         size, scatter = float(np.sqrt(np.mean(gap**2))), float(np.std(gap))
         if size > 1e-3:  # [m]; encoders and play leave less
-            message = f"loop {loop.name} is open by {1e3 * size:.2g} mm at the measured angles of "
-            message += f"{', '.join(names[j] for j in measured)} ({1e3 * scatter:.1g} mm of it changes with the pose)"
+            message = (
+                f"loop {loop.name} is open by {1e3 * size:.2g} mm at the measured angles of "
+                f"{', '.join(names[j] for j in measured)} ({1e3 * scatter:.1g} mm of it changes with the pose)"
+            )
             remedy = "measure the points of the loop, and the zeros of these encoders; what changes may be play"
             yield Finding("loop-gap", "", size, "m", "warning", message, remedy)

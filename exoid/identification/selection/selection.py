@@ -106,8 +106,10 @@ class Selection:
                 continue
             figures = (*one.nrmse, one.mean, one.fast)
             rows.append((name, str(one.numbers), *("" if np.isnan(figure) else f"{figure:.4f}" for figure in figures)))
-        title = f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
-        title += "fast: mean for the fastest 30 % of seconds, predicted from the others"
+        title = (
+            f"NRMSE of rows not fitted: {self.folds} blocked folds, torques behind {self.cutoff:g} Hz; "
+            "fast: mean for the fastest 30 % of seconds, predicted from the others"
+        )
         return to_text(
             "Friction that the recordings determine and that dissipates at every speed:",
             make_table(("joint", "friction"), [(joint.joint, joint.text) for joint in self.joints]),
