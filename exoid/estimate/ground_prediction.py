@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -10,7 +11,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
@@ -18,8 +19,10 @@ from exoid.leg.link_frames import lowest_point
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
-from exoid.signals import Recording, Wrench
+from exoid.signals import Preparation, Recording, Wrench, ZeroPhase
 from exoid.signals.cutoff import noisier, noisier_base, white_noise
+from exoid.signals.filters.low_pass import noise_bandwidth
+from exoid.signals.filters.parallel import ParallelFilter
 from exoid.signals.link_wrenches import link_placements, wrenches_on_links
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
@@ -73,8 +76,9 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     """Predict the wrenches of the ground on resting links from motion and joint torques.
 
     J_cᵀ w = W β − [0; τ] holds for base and joint rows. It is solved by least squares, each row weighted by the errors
-    of its torque and of the parameters, after both sides have passed the filter of the estimate. Measured wrenches of
-    these links tell contacts, and no more. Bands miss the force of steps and landings that is faster than this filter.
+    of its torque and of the parameters, after both sides have passed a low-pass. Its cut-off is between that of the
+    estimate and that of the angles, where noise and what is lost of the component are least. Bands have both. Measured
+    wrenches of these links tell contacts, and no more.
 
     Args:
         estimate: Estimate of a leg with a floating base, on a rail, or on a base that is held.
@@ -133,28 +137,81 @@ def level_axes(leg: Leg, q: FloatArray, link: str) -> FloatArray:
 def stretch_forces(
     estimate: EstimateData, ground: Ground | None, stretch: Stretch, feet: Sequence[str]
 ) -> list[GroundForce]:
-    """Find the wrenches of one stretch; with a ground, their bands have the noise of angles and base, too."""
-    leg, recording = estimate.model.leg, stretch.recording
-    assert recording.mask is not None
-    (found, std), rng = _solution(estimate, stretch, feet), np.random.default_rng(0)
-    noisier = _noisier(leg, ground, stretch.recording, rng) if ground else ()
-    again = [_solution(estimate, stretch._replace(recording=each), feet)[0] for each in noisier]
-    of_motion = np.mean([(each - found) ** 2 for each in again], axis=(0, 1)) if again else 0.0
-    # What a low-pass F takes from a force f, most of it beside a touch-down: f − F f ≈ F f − F F f (Tukey's twicing).
-    # At the cut-off that is half of the power, which counts over a period of it: the difference also passes zero.
-    smeared, parallel = np.zeros_like(found), estimate.preparation.parallel(recording.sample_rate)
-    if parallel is not None:
-        once, every = np.zeros((found.shape[1], len(recording))), range(len(recording))
-        once[:, recording.mask] = found.T
-        twice = parallel.among_zeros(once, every, recording.mask) / parallel.gain(recording.mask, every)
-        squares = (once - twice)[:, recording.mask].T ** 2
-        smeared = 2.0 * scipy.ndimage.uniform_filter1d(squares, round(parallel.rate / parallel.cutoff), axis=0)
-    half = half_width(0.95, estimate.dof) * np.sqrt(np.maximum(std**2 + of_motion + smeared, 0.0))  # sums leave −1e-45
-    forces, time = [], recording.time[recording.mask]
+    """Find the wrenches of one stretch; with a ground, those of steps at a higher cut-off, and bands of all noise."""
+    leg, recording, preparation = estimate.model.leg, stretch.recording, estimate.preparation
+    rate, mask, rng = recording.sample_rate, recording.mask, np.random.default_rng(0)
+    assert mask is not None
+    cutoffs = list[float]()  # from the highest
+    if isinstance(preparation, ZeroPhase):
+        of_angles = preparation.kinematics_cutoff_at(rate)
+        octaves = np.log2(of_angles / preparation.cutoff) if ground else 0.0  # noise has to be known to choose by it
+        cutoffs = [preparation.cutoff * 2.0**k for k in np.linspace(octaves, 0.0, math.ceil(octaves) + 1)]
+        preparation = ZeroPhase(cutoffs[0], of_angles)
+    passed = _solution(estimate, stretch, feet, preparation)
+    noisier = _noisier(leg, ground, recording, rng) if ground else ()
+    again = [_solution(estimate, stretch._replace(recording=each), feet, preparation) for each in noisier]
+    levels, taken = [passed._replace(noise=np.array([each.wrench - passed.wrench for each in again]))], []
+    for cutoff in cutoffs:
+        levels.append(levels[-1].through(ParallelFilter(rate, cutoff), mask))
+        taken.append(levels[-2].without(levels[-1], round(rate / cutoff)))
+    # What passes one cut-off and not the next is lost there. A touch-down is a step, whose power falls with frequency:
+    # what seems more than in the octave below is noise. Beyond the highest cut-off F the force alone tells what is
+    # lost: f − F f ≈ F f − F F f (Tukey's twicing); at the cut-off that is half of the power.
+    most = np.inf
+    for k in reversed(range(len(taken))):
+        power = np.maximum(taken[k].mean(axis=0), np.finfo(np.float64).tiny)
+        most = np.minimum(most, power)
+        taken[k] *= most / power
+    lost = 2.0 * taken[0] if taken else 0.0
+    best, least = passed.wrench, levels[0].variance + lost
+    for level, more in zip(levels[2:], taken[1:], strict=True):  # each component passes up to where it is known best
+        lost = lost + more
+        variance = level.variance + lost
+        better = variance.mean(axis=0) < least.mean(axis=0)
+        best, least = np.where(better, level.wrench, best), np.where(better, variance, least)
+    half = half_width(0.95, estimate.dof) * np.sqrt(np.maximum(least, 0.0))  # sums leave −1e-45
+    forces, time = [], recording.time[mask]
     for k in range(len(feet)):
-        wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (found, half))
+        wrench, band = (each[:, 6 * k : 6 * k + 6] for each in (best, half))
         forces.append(GroundForce(time, wrench[:, :3], wrench[:, 3:], band[:, :3], band[:, 3:]))
     return forces
+
+
+class _Passed(NamedTuple):
+    """Wrenches of all feet that pass a cut-off, and what makes their error, (N, 6 m) each."""
+
+    wrench: FloatArray  # [N and N·m]
+    of_parameters: FloatArray  # variance; infinite where torques do not determine a component
+    of_rows: FloatArray  # variance by what is left in the rows of the training, at any cut-off
+    white: FloatArray  # variance by white noise of the torques before any filter
+    fraction: float  # part of the power of white noise that passes
+    noise: FloatArray = np.zeros((0, 1, 1))  # what draws of the noise of motion and ground add, (D, N, 6 m)
+
+    @property
+    def variance(self) -> FloatArray:
+        """Variance of the wrenches; torques may be noisier than in the training, as larger ones are."""
+        of_torques = np.maximum(self.of_rows, self.fraction * self.white)
+        of_motion = np.mean(self.noise**2, axis=(0, 1)) if len(self.noise) else 0.0
+        return np.asarray(self.of_parameters + of_torques + of_motion)
+
+    def through(self, low_pass: ParallelFilter, mask: BoolArray) -> _Passed:
+        """Filter wrenches and noise among the samples of a stretch."""
+        every, whole = range(len(mask)), np.zeros((self.wrench.shape[1], len(mask)))
+        gain, filtered = low_pass.gain(mask, every), []
+        for each in (self.wrench, *self.noise):
+            whole[:, mask] = each.T
+            filtered.append((low_pass.among_zeros(whole, every, mask) / gain)[:, mask].T)
+        fraction = noise_bandwidth(low_pass.rate, low_pass.cutoff)
+        return self._replace(wrench=filtered[0], noise=np.array(filtered[1:]), fraction=fraction)
+
+    def without(self, slower: _Passed, samples: int) -> FloatArray:
+        """Power of what a lower cut-off takes, around each sample, less that of noise."""
+        noise, white = self.noise - slower.noise, (self.fraction - slower.fraction) * self.white.mean(axis=0)
+        # over a period of the cut-off: what is taken also passes zero
+        power = scipy.ndimage.uniform_filter1d((self.wrench - slower.wrench) ** 2, samples, axis=0)
+        of_noise = white + (np.mean(noise**2, axis=(0, 1)) if len(noise) else 0.0)
+        share = of_noise / np.maximum(power.mean(axis=0), np.finfo(np.float64).tiny)
+        return np.asarray(power * np.maximum(1.0 - share, 0.0))
 
 
 def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Generator) -> Iterator[Recording]:
@@ -173,31 +230,32 @@ def _noisier(leg: Leg, ground: Ground, recording: Recording, rng: np.random.Gene
         yield ground.under(leg, shaken, np.sqrt(3.0) * root[:, k] if k < len(root) else np.zeros(len(root)))
 
 
-def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Solve J_cᵀ w = W β − [0; τ] at each sample of a stretch, in level axes: w of all feet and its std, (N, 6 m)."""
-    leg, recording, preparation = estimate.model.leg, stretch.recording, estimate.preparation
-    assert recording.mask is not None
+def _solution(estimate: EstimateData, stretch: Stretch, feet: Sequence[str], preparation: Preparation) -> _Passed:
+    """Solve J_cᵀ w = W β − [0; τ] at each sample of a stretch, in level axes."""
+    leg, recording = estimate.model.leg, stretch.recording
+    mask, usual = recording.mask, estimate.preparation.independent_fraction(recording.sample_rate)
+    assert mask is not None
     rows, base = make_rows(estimate.model, recording, preparation), base_during(recording, preparation)
     at, W = np.searchsorted(recording.time, rows.time), rows.W
     q, base = rows.q[:, leg.base_rows :], base.rows(at) if isinstance(base, BaseKinematics) else None
     jacobian = np.concatenate([_level_jacobian(leg, q, link, base) for link in feet], axis=1)
-    # Weights are those of the errors of each row. Torques may be noisier than in the training, as larger ones are.
-    white = (
-        estimate.preparation.independent_fraction(recording.sample_rate) * white_noise(np.asarray(recording.tau)) ** 2
-    )
-    noise = np.append(np.zeros(leg.base_rows), np.maximum(estimate.residual_rms**2, white))
-    doubt = parameter_variance(estimate.covariance, W).mean(axis=0)
-    size = np.maximum(np.sqrt(noise + doubt), np.finfo(np.float64).eps)  # a log without noise has rows without error
+    of_joints = np.array([estimate.residual_rms, white_noise(np.asarray(recording.tau))]) ** 2
+    of_rows, white = np.hstack([np.zeros((2, leg.base_rows)), of_joints])
+    # Weights are those of the errors of each row, at the cut-off of the estimate
+    noise = np.maximum(of_rows, usual * white) + parameter_variance(estimate.covariance, W).mean(axis=0)
+    size = np.maximum(np.sqrt(noise), np.finfo(np.float64).eps)  # a log without noise has rows without error
     inverse = np.linalg.pinv(np.swapaxes(jacobian, 1, 2) / size[:, np.newaxis], rcond=RANK) / size
-    variance = inverse**2 @ noise + parameter_variance(estimate.covariance, inverse @ W)
     seen = np.einsum("ncr,ncr->nc", inverse, jacobian)  # that of the projector where w = inverse J_cᵀ w holds
     # A component of a wrench counts as seen if this part of it, or less, is lost in the torques
     whole = np.concatenate([_borne(leg, link).diagonal() for link in feet])
-    # the ends of a log affect other samples: nothing is known of w there
-    found, std = np.zeros((len(recording), len(whole))), np.full((len(recording), len(whole)), np.inf)
+    found, of_parameters, of_torques, of_noise = np.zeros((4, len(recording), len(whole)))
     found[at] = np.einsum("ncr,nr->nc", inverse, W @ estimate.values - rows.tau)
-    std[at] = np.where(seen > whole - 1e-6, np.sqrt(variance), np.inf)
-    return found[recording.mask], std[recording.mask]
+    of_parameters[:] = np.inf  # the ends of a log affect other samples: nothing is known of w there
+    variance = parameter_variance(estimate.covariance, inverse @ W)
+    of_parameters[at] = np.where(seen > whole - 1e-6, variance, np.inf)
+    of_torques[at], of_noise[at] = inverse**2 @ of_rows, inverse**2 @ white
+    fraction = preparation.independent_fraction(recording.sample_rate)
+    return _Passed(found[mask], of_parameters[mask], of_torques[mask], of_noise[mask], fraction)
 
 
 def _level_jacobian(leg: Leg, q: FloatArray, link: str, base: BaseKinematics | None) -> FloatArray:

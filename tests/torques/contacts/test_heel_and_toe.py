@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
+from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.ground import bleex_machine, walking
 from exoid.lab.reproduce.stance import TERMS, WALKING, true_values
 from exoid.leg.description import describe
@@ -156,6 +157,12 @@ def test_a_healthy_walk_needs_no_settings_but_an_imu(walk):
     low, high = estimate.interval(0.95).T
     values = np.array([true.get(name, 0.0) for name in estimate.names])
     assert np.mean((low <= values) & (values <= high)) > 0.9
+    again = walking(walk.plant, 8.0, period=1.15)  # forces of touch-downs are faster than the low-pass of the torques
+    for link, force in exoid.ground_forces(estimate, again.recording(seed=2, wrenches=("torso",))).items():
+        rows = np.searchsorted(again.time, force.time - 1e-9)
+        error = (force.force - level_wrench(walk.plant.leg, again.q, link, again.wrench(link), rows).force)[:, 2]
+        assert np.sqrt(np.mean(error**2)) < 0.3 * again.wrench(link).force[rows, 2].std()
+        assert np.mean(np.abs(error) <= force.force_half[:, 2]) > 0.8
     with pytest.raises(UnreadableInputError, match="feet roll from heel to toe"):
         exoid.identify(walk.plant.leg, replace(log, base=None))
     held = walk.recording(seed=1, wrenches=())  # an unknown harness: no foot, but nothing tells of the torso
