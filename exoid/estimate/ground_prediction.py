@@ -19,7 +19,7 @@ from exoid.leg.link_frames import lowest_point
 from exoid.regression.every_row import make_rows
 from exoid.regression.intervals import half_width
 from exoid.regression.least_squares import RANK
-from exoid.signals import Preparation, Recording, Wrench, ZeroPhase
+from exoid.signals import Preparation, Recording, Wrench, ZeroPhase, choose_preparation
 from exoid.signals.cutoff import noisier, noisier_base, white_noise
 from exoid.signals.filters.low_pass import noise_bandwidth
 from exoid.signals.filters.parallel import ParallelFilter
@@ -92,6 +92,10 @@ def ground_forces(estimate: EstimateData, recording: Recording) -> dict[str, Gro
     """
     model, leg = estimate.model, estimate.model.leg
     recording = model.select(recording).resampled()
+    if isinstance(estimate.preparation, ZeroPhase):  # touch-downs may be faster than the motion of the training
+        rate, own = recording.sample_rate, estimate.preparation
+        of_angles = max(each.kinematics_cutoff_at(rate) for each in (own, choose_preparation([recording])))
+        estimate = replace(estimate, preparation=ZeroPhase(own.cutoff, of_angles))
     where, contacts, others = recording.file_name, dict(recording.contacts), {}
     if recording.tau is None or not recording.measured.all():
         raise UnreadableInputError("the torque of a joint is missing", where=where, remedy="record all torques")

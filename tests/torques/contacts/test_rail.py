@@ -189,7 +189,7 @@ def test_a_place_at_which_a_point_would_move_while_it_rests_is_named_without_any
     for longer in (0.0, 0.02):
         text = drawn.urdf.replace(f'"0 0 -{drawn.long[1]}"', f'"0 0 -{drawn.long[1] + longer}"')
         leg = exoid.Leg.from_description(describe(text, "hopper.urdf"), base="z", contacts={"foot": "point"})
-        found = exoid.identify(leg, jumps, study.TERMS, cutoff=study.CUTOFF).findings
+        found = exoid.identify(leg, jumps, study.TERMS).findings
         told = [one.value for one in found if one.kind in ("contact-place", "torque-scale", "angle-offset")]
         assert told == ([pytest.approx(0.02, abs=1e-3)] if longer else [])
 
