@@ -13,7 +13,7 @@ from .dialect import ABSURD, Dialect
 def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
     """Write the command of each joint as an expression in q[j], v[j], tau[j] and the template's within(x, limit)."""
     names = actuators.joint_names
-    commands = [f"tau[{joint}]" for joint in range(len(names))]
+    commands = [_limited(f"tau[{joint}]", None, dialect) for joint in range(len(names))]
     for name, drive in actuators.drives.items():
         joint = names.index(name)
         commands[joint] = _command(drive, f"tau[{joint}]", f"q[{joint}]", f"v[{joint}]", dialect)
@@ -21,7 +21,8 @@ def commands_in_c(actuators: Actuators, dialect: Dialect) -> list[str]:
         places = [names.index(name) for name in coupling.joints]
         for k, place in enumerate(places):
             shares = [(row[k], j) for row, j in zip(coupling.matrix, places, strict=True)]
-            commands[place] = " + ".join(f"{dialect.number(share)} * tau[{j}]" for share, j in shares)
+            torque = " + ".join(f"{dialect.number(share)} * tau[{j}]" for share, j in shares)
+            commands[place] = _limited(torque, None, dialect)
     return commands
 
 
@@ -39,11 +40,7 @@ def with_form_in_c(actuators: Actuators | None) -> tuple[Actuators | None, tuple
 def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
     number = dialect.number
     if isinstance(drive, Motor):
-        if drive.torque_constant is None:
-            raise NotSupportedError(
-                "the torque constant of a motor is not known", remedy="give torque_constant in N·m/A"
-            )
-        current = f"{tau} / {number(drive.ratio * drive.torque_constant)}"
+        current = f"{tau} / {number(drive.ratio * drive.known('torque_constant'))}"
         if drive.needs_velocity:
             driving, driven = drive.gear_factors
             mean, half = number(0.5 * (driving + driven)), number(0.5 * (driving - driven))
@@ -58,12 +55,9 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
         gain = "" if drive.gain == 1.0 else f"{number(drive.known('gain'))} * "
         gain += _arm(arm.squared_length, q, dialect)  # its fmax() drops a NaN
         return _limited(f"isfinite({q}) ? {tau} / ({gain}) : {number(0.0)}", drive.max_force, dialect)
-    raise NotSupportedError(
-        f"{type(drive).__name__} with a table of moment arms has no form in C"
-        if isinstance(drive, LinearActuator)
-        else f"{type(drive).__name__} has no form in C",
-        remedy="describe the actuator by its attachment points, or turn torques into commands in your own code",
-    )
+    what = f"{type(drive).__name__}{' with a table of moment arms' if arm else ''} has no form in C"
+    remedy = "describe the actuator by its attachment points, or turn torques into commands in your own code"
+    raise NotSupportedError(what, remedy=remedy)
 
 
 def _arm(squared: SquaredLength, q: str, dialect: Dialect) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeVar, get_args
 
 from exoid.errors import BadArgumentError, NotSupportedError
-from exoid.torques import Term
+from exoid.torques import CouplingInertia, Term
 
 from .dialect import Dialect
 
@@ -132,6 +132,10 @@ def c_form(term: Term) -> CForm:
             f"{described} has no form in C: it {needs}, and the functions take one velocity or angle",
             remedy="identify with terms that depend on one of these alone, without presliding",
         )
+    if isinstance(term, CouplingInertia):
+        what = f"{described} has no form in C: it is an inertia of several joints together, and C has one of each joint"
+        remedy = "take a law without inertia, such as gravity_friction_pd or gravity_support, or control from Python"
+        raise NotSupportedError(what, remedy=remedy)
     if type(term) not in FORMS:
         raise NotSupportedError(
             f"{described} has no form in C",

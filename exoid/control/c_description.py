@@ -12,7 +12,7 @@ from exoid.codegen.forms import c_form
 from exoid.codegen.law_in_c import LegInC, Needed
 from exoid.codegen.terms import torques_in_c
 from exoid.errors import NotSupportedError
-from exoid.torques import Coulomb, Stiffness, Term, Viscous
+from exoid.torques import Coulomb, CouplingInertia, Stiffness, Term, Viscous
 from exoid.torques.term import TermBlock
 
 from .friction import FrictionCompensation
@@ -62,12 +62,15 @@ def _leg_in_c(
     places: dict[str, list[list[str]]] = {place: [[] for _ in range(model.n)] for place in ("stiffness", "friction")}
     places["rotor"] = [[dialect.number(inertia)] for inertia in model.armature.tolist()]
     still = np.zeros((model.n, 1))
-    for other in model.others:  # what a model has at rest counts as a spring
+    # rotors that several joints turn have no form, and no part in a law without inertia
+    moving = bool({"inverse_dynamics", "bodies"} & {*calls})
+    others = [other for other in model.others if moving or not isinstance(other.term, CouplingInertia)]
+    for other in others:  # what a model has at rest counts as a spring
         if c_form(other.term).place == "friction" and other.torque(still, still, still, still).any():
             what = f"{type(other.term).__name__} has a torque at rest, which laws in C do not have"
             raise NotSupportedError(what, remedy='write its form with the place "stiffness", or as two terms')
     plain = _plain_terms(model, None if friction is None else friction.width)
-    for term, joints, values in (*plain, *((other.term, other.joints, other.values) for other in model.others)):
+    for term, joints, values in (*plain, *((other.term, other.joints, other.values) for other in others)):
         place = c_form(term).place
         scale = 1.0 if place != "friction" else 0.0 if friction is None else friction.scale
         numbers = zip(term.symbols, (scale * values).tolist(), strict=True)

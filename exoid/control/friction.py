@@ -110,24 +110,22 @@ PASSIVE = FrictionCompensation(scale=0.9, drives=False)
 """Nine tenths of the model's friction, which never drives: for a wearer."""
 
 
-def refuse_desired(friction: FrictionCompensation | None) -> None:
-    """Refuse friction of a desired velocity in a law that follows none."""
-    if friction is not None and friction.velocity == "desired":
-        what = "friction of the desired velocity, where no motion is desired"
-        raise BadArgumentError(what, remedy="use SMOOTH, SHARP or PASSIVE")
-
-
-def model_to_compensate(source: ModelSource, friction: FrictionCompensation | None) -> ControlModel:
-    """Make the model of a law, and warn if it compensates friction that is negative."""
+def model_to_compensate(
+    source: ModelSource, friction: FrictionCompensation | None, *, follows: bool = True
+) -> ControlModel:
+    """Make the model of a law, which may follow a motion, and warn if it compensates friction that is negative."""
     # Under eq. (6) of doc. 2, its Table III as printed would inject energy: compensating it opposes the motion.
     # Friction must resist up to 1 rad/s; slightly negative viscous friction beside Coulomb's is noise.
+    if friction is not None and friction.velocity == "desired" and not follows:
+        what = "friction of the desired velocity, where no motion is desired"
+        raise BadArgumentError(what, remedy="use SMOOTH, SHARP or PASSIVE")
     model = ControlModel.of(source)
     wrong = [
         f"{label}: {c0:.4g} sgn(v) {d:+.4g} v N·m"
         for label, c0, d in zip(model.leg.joint_labels, model.coulomb, model.viscous, strict=True)
         if min(c0, c0 + 1.0 * d) < 0.0
     ]
-    if wrong and friction is not None:
+    if wrong and friction is not None and friction.drives:
         warnings.warn(
             f"friction that drives the joint ({'; '.join(wrong)}): compensating it brakes the motion that it should "
             "support. Check the sign convention; doc. 2 prints its Table III with this sign",

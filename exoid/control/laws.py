@@ -7,9 +7,9 @@ import numpy as np
 from exoid._typing import ArrayLike
 from exoid.tools.numbers import checked
 
-from .friction import AHEAD, PASSIVE, FrictionCompensation, model_to_compensate, refuse_desired
+from .friction import AHEAD, PASSIVE, FrictionCompensation, model_to_compensate
 from .law import RATE, gains
-from .model import ControlModel, ModelSource, possible_mass_matrix
+from .model import ModelSource, possible_mass_matrix
 from .tracking_law import TrackingLaw
 
 
@@ -164,7 +164,7 @@ def impedance(
         100.0
     """
     kp, kd = gains(stiffness, "stiffness"), gains(damping, "damping")
-    return TrackingLaw("measured", kp, kd, ControlModel.of(source), friction, rate)
+    return TrackingLaw("measured", kp, kd, model_to_compensate(source, friction), friction, rate)
 
 
 def gravity_support(
@@ -196,6 +196,6 @@ def gravity_support(
         >>> np.allclose(law.torque(state, None), 0.6 * leg.gravity([0.5, 0.8])[0])
         True
     """
-    refuse_desired(friction)
+    model = model_to_compensate(source, friction, follows=False)
     shares = checked(share, "the share of the weight", least=0.0, most=1.0)  # to carry the limb too, give its model
-    return TrackingLaw("share", shares, np.zeros(()), ControlModel.of(source), friction, rate)
+    return TrackingLaw("share", shares, np.zeros(()), model, friction, rate)

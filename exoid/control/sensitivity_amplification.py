@@ -17,7 +17,7 @@ from exoid.rig import Target
 from exoid.tools.numbers import checked
 
 from .c_description import describe
-from .friction import FrictionCompensation, refuse_desired
+from .friction import FrictionCompensation, model_to_compensate
 from .law import State, refuse_rate, sound, spread
 from .model import ControlModel, ModelSource
 
@@ -201,6 +201,5 @@ def sensitivity_amplification(
         >>> float(sensitivity_amplification(exoid.load_leg("cuhk"), 5.0, bandwidth=15.0).share)
         0.8
     """
-    refuse_desired(friction)
-    model = ControlModel.of(source)
+    model = model_to_compensate(source, friction, follows=False)
     return SensitivityAmplification(model, np.asarray(amplification), MotionFilter(bandwidth, rate), friction)

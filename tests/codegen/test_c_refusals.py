@@ -68,7 +68,6 @@ UNSUPPORTED = {
     "friction that depends on the load": leg_of(LoadFriction()),
     "term of another package": leg_of(Sticky()),
     "table of moment arms": lambda: commands_of(LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))),
-    "drive whose constant is not known": lambda: commands_of(Motor(None)),
     "rotors of coupled motors": lambda: source_of(made_up(CUHK, motor_terms(WRIST)[2:])),
     "law without a description": lambda: c_source(object()),
     "law that computes something else than its parent": lambda: c_source(Overridden()),
@@ -78,6 +77,7 @@ UNSUPPORTED = {
 }
 
 BAD = {
+    "drive whose constant is not known": lambda: commands_of(Motor(None)),
     "precision": lambda: source_of(ESTIMATE, precision="half"),
     "number that no float can hold": lambda: source_of(HUGE, precision="float"),
     "too few values": lambda: c_source(TorqueModel(CUHK, ()), CUHK.parameters[:-1]),
