@@ -19,7 +19,7 @@ from exoid.signals.torque_delay import DRIVE_CHANNELS
 from exoid.tools.numbers import checked
 
 from .coupling import Coupling
-from .drive import Drive
+from .drive import Drive, joints_of
 from .motor import Motor
 
 
@@ -66,30 +66,22 @@ class Actuators:
         """
         if isinstance(drives, Actuators):
             if drives.joint_names != leg.joint_names:
-                raise BadArgumentError(
-                    f"actuators of {', '.join(drives.joint_names)} for a leg of {', '.join(leg.joint_names)}",
-                    remedy="describe the drives of this leg",
-                )
+                what = f"actuators of {', '.join(drives.joint_names)} for a leg of {', '.join(leg.joint_names)}"
+                raise BadArgumentError(what, remedy="describe the drives of this leg")
             return drives
-        names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{n: n for n in leg.joint_names}}
         mounted: dict[str, Drive] = {}
         couplings: dict[str, Coupling] = {}
-        for given, drive in _of_leg(_checked(drives), leg).items():
+        every: list[str] = []
+        for given, drive in _of_leg(drives, leg).items():
             if isinstance(drive, Coupling):
                 couplings[given] = drive.on(leg)
+                every += couplings[given].joints
                 continue
-            if given not in names:
-                raise BadArgumentError(
-                    f"a drive of {given!r}, which the leg does not have",
-                    remedy=f"its joints are {', '.join(leg.joint_names)}",
-                )
-            joint = names[given]
-            if joint in mounted:
-                raise BadArgumentError(f"two drives of {joint}", remedy="describe each joint once")
+            (joint,) = joints_of(leg, [given], "a drive")
             with within(joint):
                 mounted[joint] = drive.on(leg, joint)
-        coupled = [joint for coupling in couplings.values() for joint in coupling.joints]
-        twice = [joint for joint in leg.joint_names if coupled.count(joint) + (joint in mounted) > 1]
+            every.append(joint)
+        twice = [joint for joint in leg.joint_names if every.count(joint) > 1]
         if twice:
             raise BadArgumentError(f"two drives of {', '.join(twice)}", remedy="describe each joint once")
         ordered = {joint: mounted[joint] for joint in leg.joint_names if joint in mounted}
@@ -218,16 +210,13 @@ class Actuators:
                 remedy="give a recording with the torques of all joints that have a drive",
             )
         velocity, tau = self._velocity(recording, parts), recording.tau.copy()
-        given = {one.channel: getattr(recording, one.channel) for one in parts}
-        nothing = np.full(tau.shape, np.nan)
-        channels: dict[str, Any] = {
-            name: nothing.copy() if values is None else values.copy() for name, values in given.items()
-        }
+        channels: dict[str, Any] = {}
         for one in parts:
-            places = [columns[joint] for joint in one.joints]
+            channel, places = one.drive.channel, [columns[joint] for joint in one.joints]
+            before = getattr(recording, channel)
+            readings = channels.setdefault(channel, np.full(tau.shape, np.nan) if before is None else before.copy())
             with within(one.name):
-                command = one.command(tau[:, places], recording.q[:, places], velocity[:, places])
-                channels[one.channel][:, places] = command
+                readings[:, places] = one.command(tau[:, places], recording.q[:, places], velocity[:, places])
             tau[:, places] = np.nan
         return replace(recording, tau=tau, computed=(), **channels)
 
@@ -272,11 +261,6 @@ class _Part(NamedTuple):
     joints: tuple[str, ...]
     drive: Drive | Coupling
 
-    @property
-    def channel(self) -> str:
-        """Quantity that it needs."""
-        return self.drive.channel
-
     def is_wanted(self, recording: Recording, columns: Mapping[str, int]) -> bool:
         """Whether the recording has its joints, and lacks the torque of one of them."""
         places = [columns[joint] for joint in self.joints if joint in columns]
@@ -284,7 +268,7 @@ class _Part(NamedTuple):
 
     def readings(self, recording: Recording, columns: Mapping[str, int]) -> FloatArray | None:
         """Readings of all its joints, (N, k); None if some were not recorded."""
-        values = getattr(recording, self.channel)
+        values = getattr(recording, self.drive.channel)
         if values is None:
             return None
         own = values[:, [columns[joint] for joint in self.joints]]
@@ -314,44 +298,32 @@ def _smooth(signal: FloatArray, rate: float) -> FloatArray:
 
 def _nothing_recorded(recording: Recording, parts: Sequence[_Part], columns: Mapping[str, int]) -> UnreadableInputError:
     """Make the error about a recording that has neither torque nor what the drives need."""
-    needed = [f"{PREFIXES[p.channel]}_{recording.joint_names[columns[joint]]}" for p in parts for joint in p.joints]
-    units = dict.fromkeys(f"{PREFIXES[one.channel]}_ in {one.drive.unit}" for one in parts)
+    needed = [f"{PREFIXES[p.drive.channel]}_{recording.joint_names[columns[j]]}" for p in parts for j in p.joints]
+    units = dict.fromkeys(f"{PREFIXES[one.drive.channel]}_ in {one.drive.unit}" for one in parts)
     others = [quantity for quantity in DRIVE_CHANNELS if getattr(recording, quantity) is not None]
     has = f", but {' and '.join(others)}" if others else ""
+    advice = f"record {', '.join(needed)} ({', '.join(units)}), or map"
     return UnreadableInputError(
         f"the recording has no torque, and not what its drives turn into torque{has}",
         where=recording.file_name,
-        remedy=f"record {', '.join(needed)} ({', '.join(units)}), or map columns of the log to them",
-        command=f"record {', '.join(needed)} ({', '.join(units)}), or map them, e.g. --column {needed[0]}=HEADER",
+        remedy=f"{advice} columns of the log to them",
+        command=f"{advice} them, e.g. --column {needed[0]}=HEADER",
     )
 
 
-def _checked(drives: object) -> Mapping[str, Drive | Coupling]:
-    """Check that drives are given by the names of joints."""
+def _of_leg(drives: object, leg: Leg) -> dict[str, Drive | Coupling]:
+    """Check the names of drives, and leave out those of joints that the URDF has and the leg does not move."""
+    remedy = 'give a drive for the name of each joint: {"left_hip": exoid.actuators.Motor(...)}'
     if not isinstance(drives, Mapping) or not drives:
-        raise BadArgumentError(
-            f"actuators are {drives!r}", remedy='give a drive for each joint: {"left_hip": Motor(...)}'
-        )
-    for joint, drive in drives.items():
-        if not isinstance(joint, str) or not isinstance(drive, Drive | Coupling):
-            raise BadArgumentError(
-                f"actuators have {drive!r} at {joint!r}",
-                remedy='give a drive for the name of each joint: {"left_hip": exoid.actuators.Motor(...)}',
-            )
-    return drives
-
-
-def _of_leg(drives: Mapping[str, Drive | Coupling], leg: Leg) -> dict[str, Drive | Coupling]:
-    """Leave out drives of joints that the URDF has and the leg does not move."""
+        raise BadArgumentError(f"actuators are {drives!r}", remedy=remedy)
     others = {*leg.description.child_links} - {*leg.joint_names, *leg.joint_labels}
-    found = {
-        name: drive
-        for name, drive in drives.items()
-        if not (set(drive.joints) <= others if isinstance(drive, Coupling) else name in others)
-    }
+    found = {}
+    for name, drive in drives.items():
+        if not isinstance(name, str) or not isinstance(drive, Drive | Coupling):
+            raise BadArgumentError(f"actuators have {drive!r} at {name!r}", remedy=remedy)
+        if not set(drive.joints if isinstance(drive, Coupling) else (name,)) <= others:
+            found[name] = drive
     if not found:
-        raise BadArgumentError(
-            f"drives of {', '.join(drives)}, and none of {', '.join(leg.joint_names)}",
-            remedy="describe the drives of the joints of the leg",
-        )
+        what = f"drives of {', '.join(drives)}, and none of {', '.join(leg.joint_names)}"
+        raise BadArgumentError(what, remedy="describe the drives of the joints of the leg")
     return found

@@ -33,8 +33,8 @@ class MomentArmTable(MomentArm):
         0.0513 m
     """
 
-    angle: Sequence[float]
-    moment_arm: Sequence[float]
+    angle: Sequence[float] | FloatArray
+    moment_arm: Sequence[float] | FloatArray
 
     def __post_init__(self) -> None:
         """Check and freeze."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
@@ -16,7 +14,7 @@ from exoid.leg.description import FARTHEST
 from exoid.leg.leg import Leg
 from exoid.leg.link_frames import LinkFrame, link_frame
 from exoid.leg.model import joint_axis
-from exoid.tools.numbers import is_number
+from exoid.tools.numbers import checked
 
 SHORTEST = 1e-3
 """Shortest length of an actuator, and smallest of its largest moment arms [m]."""
@@ -134,7 +132,12 @@ class Attachments(MomentArm):
         ]
         above, below = points if joints[1] == moving else points[::-1]
         above = model.jointPlacements[moving].actInv(above)
-        mounted = replace(self, squared_length=_squared_length(model, moving, above, below))
+        turn = joint_axis(model.joints[moving])[3:]
+        if not turn.any():
+            raise BadArgumentError(f"attachment points at {joint}, which slides", remedy="give a table of moment arms")
+        along = float(above @ turn) * float(below @ turn)
+        c0, c1 = float(above @ above + below @ below) - 2.0 * along, -2.0 * (float(above @ below) - along)
+        mounted = replace(self, squared_length=(c0, c1, -2.0 * float(above @ np.cross(turn, below))))
         turned = np.linspace(-math.pi, math.pi, 361)
         if mounted.length(turned).min() < SHORTEST:
             raise BadArgumentError(
@@ -169,19 +172,14 @@ class Attachments(MomentArm):
 
 def _attachment(given: object) -> Attachment:
     """Make an attachment of a link's name and three coordinates."""
-    if isinstance(given, tuple | list) and len(given) == 2:
-        link, point = given
-        numbers = point.tolist() if isinstance(point, np.ndarray) else point
-        if isinstance(link, str) and isinstance(numbers, Sequence) and len(numbers) == 3:
-            if all(is_number(x) and abs(x) <= FARTHEST for x in numbers):
-                return Attachment(link, (float(numbers[0]), float(numbers[1]), float(numbers[2])))
-            raise BadArgumentError(
-                f"attachment point {list(numbers)} on {link}",
-                remedy=f"give x, y, z in m in the frame of the link, each at most {FARTHEST:g} m",
-            )
-    raise BadArgumentError(
-        f"an attachment is {given!r}", remedy='give link and point [m]: ("thigh", (0.05, 0.0, -0.1))'
-    )
+    if not isinstance(given, tuple | list) or len(given) != 2 or not isinstance(given[0], str):
+        remedy = 'give link and point [m]: ("thigh", (0.05, 0.0, -0.1))'
+        raise BadArgumentError(f"an attachment is {given!r}", remedy=remedy)
+    link, point = given[0], checked(given[1], f"the point on {given[0]} [m]", least=-FARTHEST, most=FARTHEST)
+    if point.shape != (3,):
+        what = f"a point on {link} with coordinates {point.tolist()}"
+        raise BadArgumentError(what, remedy="give x, y, z in m in the frame of the link")
+    return Attachment(link, (float(point[0]), float(point[1]), float(point[2])))
 
 
 def _place(leg: Leg, attachment: Attachment) -> LinkFrame:
@@ -190,15 +188,3 @@ def _place(leg: Leg, attachment: Attachment) -> LinkFrame:
     named = {leg.description.root_link, *leg.description.child_links.values()}
     link = attachment.link if attachment.link in named else sides.get(attachment.link, attachment.link)
     return link_frame(leg.model, leg.description, link)
-
-
-def _squared_length(model: pin.Model, joint: int, above: FloatArray, below: FloatArray) -> SquaredLength:
-    """Coefficients of l²."""
-    turn = joint_axis(model.joints[joint])[3:]
-    if not turn.any():
-        raise BadArgumentError(
-            f"attachment points at {model.names[joint]}, which slides", remedy="give a table of moment arms"
-        )
-    along = float(above @ turn) * float(below @ turn)
-    c0 = float(above @ above + below @ below) - 2.0 * along
-    return c0, -2.0 * (float(above @ below) - along), -2.0 * float(above @ np.cross(turn, below))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,9 +10,11 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
-from exoid.tools.numbers import is_number
+from exoid.tools.numbers import checked
 from exoid.torques import CouplingFriction, CouplingInertia, Term
 from exoid.torques.catalog import USUAL
+
+from .drive import joints_of
 
 
 @dataclass(frozen=True)
@@ -48,28 +49,25 @@ class Coupling:
 
     def __post_init__(self) -> None:
         """Check joints and matrix."""
-        if not isinstance(self.joints, list | tuple) or not all(isinstance(name, str) for name in self.joints):
-            raise BadArgumentError(f"joints of a coupling are {self.joints!r}", remedy='name each: ("roll", "pitch")')
-        joints, matrix = tuple(self.joints), _rows(self.matrix)
+        joints, matrix = self.joints, checked(self.matrix, "the matrix of a coupling", ndim=2)
+        named = isinstance(joints, list | tuple) and all(isinstance(name, str) for name in joints)
+        if not named or len(joints) < 2 or len(set(joints)) != len(joints):
+            what, remedy = f"a coupling of {joints!r}", 'name two or more joints, each once: ("roll", "pitch")'
+            raise BadArgumentError(what, remedy=remedy)
         count = len(joints)
-        if count < 2 or len(set(joints)) != count:
+        if matrix.shape != (count, count):
             raise BadArgumentError(
-                f"a coupling of {', '.join(joints) or 'no joint'}", remedy="name two or more joints, once"
-            )
-        if len(matrix) != count or any(len(row) != count for row in matrix):
-            raise BadArgumentError(
-                f"the matrix of a coupling of {count} joints has {len(matrix)} rows of "
-                f"{', '.join(str(len(row)) for row in matrix) or 'nothing'}",
+                f"the matrix of a coupling of {count} joints has the shape {matrix.shape}",
                 remedy="give a row for each joint and a column for each motor: q = A θ_m",
             )
-        sizes = np.linalg.svd(np.array(matrix), compute_uv=False)
+        sizes = np.linalg.svd(matrix, compute_uv=False)
         if not sizes[-1] > 1e-9 * sizes[0]:  # nine digits lost leave seven of the torque
             raise BadArgumentError(
                 f"the matrix of the coupling of {', '.join(joints)} is singular",
                 remedy="motors must move the joints independently: check its rows",
             )
-        object.__setattr__(self, "joints", joints)
-        object.__setattr__(self, "matrix", matrix)
+        object.__setattr__(self, "joints", tuple(joints))
+        object.__setattr__(self, "matrix", tuple(map(tuple, matrix.tolist())))
 
     @cached_property
     def inverse(self) -> FloatArray:
@@ -93,14 +91,7 @@ class Coupling:
         Raises:
             ExoidError: A joint is not the leg's.
         """
-        names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{n: n for n in leg.joint_names}}
-        missing = [name for name in self.joints if name not in names]
-        if missing:
-            raise BadArgumentError(
-                f"a coupling of {', '.join(missing)}, which the leg does not have",
-                remedy=f"its joints are {', '.join(leg.joint_names)}",
-            )
-        return replace(self, joints=tuple(names[name] for name in self.joints))
+        return replace(self, joints=joints_of(leg, self.joints, "a coupling"))
 
     def torque(self, reading: FloatArray) -> FloatArray:
         """Compute the torques at the joints, τ = A⁻ᵀ τ_m.
@@ -159,14 +150,3 @@ def motor_terms(coupling: Coupling) -> tuple[Term, ...]:
         )
         rotors.append(CouplingInertia(joints=joints, ratios=ratios, name=name))
     return (*frictions, *rotors)
-
-
-def _rows(matrix: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], ...]:
-    """Make numbers of the rows of a matrix."""
-    try:
-        rows = [list(row) for row in np.asarray(matrix).tolist()]
-    except (TypeError, ValueError):
-        raise BadArgumentError(f"the matrix of a coupling is {matrix!r}", remedy="give rows of numbers") from None
-    if not all(is_number(value) for row in rows for value in row):
-        raise BadArgumentError("the matrix of a coupling has entries that are no finite numbers", remedy="give numbers")
-    return tuple(tuple(float(value) for value in row) for row in rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from exoid._typing import FloatArray
@@ -135,6 +135,16 @@ class Drive:
         return float(value)
 
 
+def joints_of(leg: Leg, given: Sequence[str], what: str) -> tuple[str, ...]:
+    """Names of the leg's joints that are given by name or label; refuse others."""
+    names = {**dict(zip(leg.joint_labels, leg.joint_names, strict=True)), **{n: n for n in leg.joint_names}}
+    missing = [name for name in given if name not in names]
+    if missing:
+        what = f"{what} of {', '.join(missing)}, which the leg does not have"
+        raise BadArgumentError(what, remedy=f"its joints are {', '.join(leg.joint_names)}")
+    return tuple(names[name] for name in given)
+
+
 def check_constant(
     drive: object, name: str, valid: Callable[[float], bool], remedy: str, *, optional: bool = True
 ) -> None:
@@ -142,11 +152,6 @@ def check_constant(
     value = getattr(drive, name)
     if not (optional and value is None) and not (is_number(value) and valid(value)):
         raise BadArgumentError(f"{type(drive).__name__}({name}={value!r})", remedy=remedy)
-
-
-def is_positive(value: float) -> bool:
-    """Whether a constant is above zero."""
-    return value > 0.0
 
 
 def refuse_beyond(drive: Drive, name: str, reading: FloatArray, remedy: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from exoid.errors import NotSupportedError, UnreadableInputError, nearest, within
 from exoid.leg.leg import Leg
-from exoid.tools.numbers import is_number
+from exoid.tools.numbers import checked, is_number
 
 from .actuators import Actuators
 from .arm_table import MomentArmTable
@@ -106,7 +106,8 @@ def _check_keys(table: Table, known: set[str], required: Mapping[str, str]) -> N
 
 def _linear(table: Table) -> LinearActuator:
     points, arms = {"first", "second"}, {"angle", "angle_deg", "moment_arm"}
-    _check_keys(table, points | arms | {"max_force", "gain"}, {})
+    needed = REQUIRED[Attachments] if points & table.keys() else {}
+    _check_keys(table, points | arms | {"max_force", "gain"}, needed)
     if bool(points & table.keys()) == bool(arms & table.keys()):
         both = bool(points & table.keys())
         raise UnreadableInputError(
@@ -117,9 +118,7 @@ def _linear(table: Table) -> LinearActuator:
     limits = table.get("max_force"), None if gain == UNKNOWN else gain
     if not points & table.keys():
         return LinearActuator(_moment_arms(table), *limits)
-    for key, remedy in REQUIRED[Attachments].items():
-        if key not in table:
-            raise UnreadableInputError(f"no {key}", remedy=remedy)
+    for key, remedy in needed.items():
         if not isinstance(table[key], Mapping) or set(table[key]) != {"link", "point"}:
             raise UnreadableInputError(f"{key} is {table[key]!r}", remedy=remedy)
     first, second = (Attachment(table[key]["link"], table[key]["point"]) for key in ("first", "second"))
@@ -132,12 +131,8 @@ def _moment_arms(table: Table) -> MomentArmTable:
         raise UnreadableInputError(
             "a table of moment arms needs its angles and arms", remedy="write angle (or angle_deg) and moment_arm [m]"
         )
-    for key in (*angles, "moment_arm"):
-        row = table[key]
-        if not isinstance(row, Sequence) or isinstance(row, str) or not all(is_number(value) for value in row):
-            raise UnreadableInputError(f"{key} is no row of numbers", remedy="write [0.0, 0.1, …]")
-    angle = table[angles[0]]
-    return MomentArmTable(np.deg2rad(angle).tolist() if angles[0] == "angle_deg" else angle, table["moment_arm"])
+    angle, arm = (checked(table[key], key) for key in (*angles, "moment_arm"))
+    return MomentArmTable(np.deg2rad(angle) if angles[0] == "angle_deg" else angle, arm)
 
 
 def _table(drive: Drive | Coupling) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 
 from .attachments import SHORTEST, MomentArm
-from .drive import Drive, UnknownConstant, check_constant, is_positive, refuse_beyond
+from .drive import Drive, UnknownConstant, check_constant, refuse_beyond
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,11 @@ class LinearActuator(Drive):
 
     def __post_init__(self) -> None:
         """Check largest force, gain and moment arm."""
-        check_constant(self, "max_force", is_positive, "a positive number of N, or None")
-        check_constant(self, "gain", is_positive, "a positive number near 1, or None")
+        check_constant(self, "max_force", lambda value: value > 0.0, "a positive number of N, or None")
+        check_constant(self, "gain", lambda value: value > 0.0, "a positive number near 1, or None")
         if not isinstance(self.moment_arm, MomentArm):
-            raise BadArgumentError(
-                f"LinearActuator(moment_arm={self.moment_arm!r})",
-                remedy="exoid.actuators.Attachments or MomentArmTable",
-            )
+            what = f"LinearActuator(moment_arm={self.moment_arm!r})"
+            raise BadArgumentError(what, remedy="exoid.actuators.Attachments or MomentArmTable")
 
     def on(self, leg: Leg, joint: str) -> LinearActuator:
         """Mount the actuator with the geometry of its attachment points."""

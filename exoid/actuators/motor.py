@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.torques.terms import SMOOTHING
 
-from .drive import Drive, UnknownConstant, check_constant, is_positive, refuse_beyond
+from .drive import Drive, UnknownConstant, check_constant, refuse_beyond
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Motor(Drive):
     def __post_init__(self) -> None:
         """Check the constants."""
         for name in ("torque_constant", "max_current"):
-            check_constant(self, name, is_positive, "a positive number, or None")
+            check_constant(self, name, lambda value: value > 0.0, "a positive number, or None")
         check_constant(self, "ratio", bool, "motor angle per joint angle, not zero", optional=False)
         for name in ("efficiency", "back_efficiency"):
             share = "a share above 0 and up to 1, such as 0.85 for 85 %"

@@ -9,7 +9,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .drive import Drive, check_constant, is_positive
+from .drive import Drive, check_constant
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class SeriesElastic(Drive):
 
     def __post_init__(self) -> None:
         """Check the constants."""
-        check_constant(self, "stiffness", is_positive, "a positive number of N·m/rad", optional=False)
+        check_constant(self, "stiffness", lambda value: value > 0.0, "a positive number of N·m/rad", optional=False)
         check_constant(self, "ratio", bool, "motor angle per joint angle, not zero", optional=False)
 
     def torque(self, reading: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
