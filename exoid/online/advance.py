@@ -13,7 +13,7 @@ from .information import absorb
 from .rows import Rows, faults_of, rows_of
 from .settings import Settings
 from .solution import belief, follow_residuals, solved
-from .state import REMEMBERED, Change, Detector, Information, State
+from .state import Change, Detector, Information, State
 
 DECISION, PROBATION = 1.5, 20.0
 """Time from a suspicion to the first name of what changed, and for which rows are collected after it: a wrong name is
@@ -95,7 +95,7 @@ def _named(settings: Settings, state: State, verdict: Verdict) -> State:
     what, values = (one.kind, one.joint, one.parameters, verdict.ratio, verdict.size), tuple(detector.values.tolist())
     change = Change(state.samples, state.samples / settings.rate, *what, values)
     earlier = state.changes[: len(state.changes) - (detector.named >= 0)]
-    return state._replace(detector=detector._replace(named=verdict.best), changes=(*earlier, change)[-REMEMBERED:])
+    return state._replace(detector=detector._replace(named=verdict.best), changes=(*earlier, change)[-100:])
 
 
 def _settle(state: State) -> State:

@@ -5,16 +5,11 @@ s = Wᵀe and energy E = WᵀW of weighted rows, the likelihood ratio of the bes
 
     g = (Bᵀs)ᵀ (Bᵀ E B)⁻¹ (Bᵀs),
 
-which over its mean is F-distributed with (d, ν) degrees of freedom while nothing changes (M. Basseville,
-I. V. Nikiforov, Detection of Abrupt Changes, 1993, ch. 7). The mean is that of the last minutes, and contains the
-errors of the model that repeat in this motion. The threshold follows from the rate of false alarms.
+which over its mean is F-distributed with (d, ν) degrees of freedom while nothing changes (Basseville and Nikiforov
+1993, ch. 7). The mean is that of the last minutes, and contains the errors of the model that repeat in this motion.
 
 Values that are known with a covariance P only predict a block with the covariance S = 1 + W P Wᵀ. Its rows are whitened
 by S, so that a leg that is still being learned raises no mean and no alarm.
-
-Once a statistic crossed its threshold, rows are collected, and hypotheses are compared on these, with faults of sensors
-among them: F holds what they add to an innovation for each unit, as an angle that reads more, e = F b. Hypotheses that
-are not clearly worse than the best are candidates.
 """
 
 from __future__ import annotations

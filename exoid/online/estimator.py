@@ -20,7 +20,7 @@ from .findings import findings_of
 from .settings import Settings
 from .solution import estimate_of, started
 from .state import Change, State, begin, restarted
-from .stream import Sample, Stream, as_table, one_sample, take
+from .stream import Sample, Stream, as_table, take
 
 
 class RecursiveEstimator:
@@ -122,10 +122,6 @@ class RecursiveEstimator:
                 what = f"v and a given: {self._stream.given} before, {given} now"
                 raise BadArgumentError(what, remedy="pass the same channels every time")
             self._stream = self._stream._replace(given=given)
-        single = one_sample(q, v, a, tau, n)
-        if single is not None and (time is None or isinstance(time, float)):
-            self._take(single, math.nan if time is None else time)
-            return
         of_q = as_table(q, "q", n, None)
         count = len(of_q)
         table = np.hstack([of_q, *(as_table(x, name, n, count) for x, name in ((v, "v"), (a, "a"), (tau, "tau")))])

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from exoid._typing import FloatArray
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, Severity, ordered
 from exoid.identification.findings.factors import fit_torques
@@ -85,7 +84,7 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
 
 
 def doubts_of(estimate: Estimate, state: State) -> Iterator[Finding]:
-    """Find what says that an estimate cannot be right: links that do not exist, and torques that are not explained."""
+    """Find what says that an estimate cannot be right: links that do not exist, torques unexplained or reversed."""
     factors, rows = state.information.R[:-1], np.maximum(state.information.rows[:-1], 1.0)
     impossible = list(impossible_leg(estimate.model.leg, estimate.values, estimate.covariance, factors))
     yield from impossible
@@ -98,12 +97,9 @@ def doubts_of(estimate: Estimate, state: State) -> Iterator[Finding]:
         text = f"the model leaves {share:.0%} of the torque unexplained"
         remedy = "look for swapped or late channels, wrong signs and units (exoid check with a log of this stream)"
         yield Finding("large-residual", joint, share, "1", "warning", text, remedy)
-    if impossible or poor.any():
-        yield from _reversed(estimate, factors)
-
-
-def _reversed(estimate: Estimate, factors: FloatArray) -> Iterator[Finding]:
-    """Find a torque, or all of them, that the model explains once it is negated."""
+    if not (impossible or poor.any()):
+        return
+    # a torque, or all of them, that the model explains once it is negated
     model, n, free = estimate.model, len(factors), np.full(len(estimate.names), np.nan)
     fitted = FittedLeg(model, (), estimate.preparation, free, estimate.values, estimate.covariance)
     tables = [np.hstack([R[:, :-1], np.outer(R[:, -1], np.arange(n) == j)]) for j, R in enumerate(factors)]

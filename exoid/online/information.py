@@ -4,13 +4,12 @@ Information A = Rᵀ R is never formed. New rows Φ with torques y, and forgetti
 
     [R' z'] = QR of [√λ R  √λ z; Φ  y],
 
-which solves the same least-squares problem as all rows at once (G. J. Bierman, Factorization Methods for Discrete
-Sequential Estimation, 1977).
+which solves the same least-squares problem as all rows at once (Bierman 1977).
 
-Directional forgetting (R. Kulhavý, M. Kárný, 9th IFAC World Congress, 1984; S. Bittanti, P. Bolzern, M. Campi,
-Automatica 26, 1990) forgets only in directions that the new rows excite. In coordinates x = R β the information is the
-unit matrix, and that of the rows is Gᵀ G with G = Φ R⁻¹ = U S Vᵀ. The factor I − (1 − √(1 − μ_i)) v_i v_iᵀ takes the
-share μ_i of direction v_i away from R and z alike, which does not move the estimate. Here
+Directional forgetting (Kulhavý and Kárný 1984, Bittanti et al. 1990) forgets only in directions that the new rows
+excite. In coordinates x = R β the information is the unit matrix, and that of the rows is Gᵀ G with
+G = Φ R⁻¹ = U S Vᵀ. The factor I − (1 − √(1 − μ_i)) v_i v_iᵀ takes the share μ_i of direction v_i away from R and z
+alike, which does not move the estimate. Here
 
     μ_i = 1 − λ  where s_i² ≥ ε (1 − λ),   otherwise min(1 − λ, s_i²):
 
@@ -37,7 +36,7 @@ def absorb(settings: Settings, information: Information, rows: Rows, weights: Fl
     table, counts = rows.table, rows.used.sum(axis=0)
     R, number = information
     if settings.memory < np.inf:  # else nothing is forgotten
-        share = 1.0 - np.exp(-counts * settings.row_time / settings.memory)
+        share = 1.0 - np.exp(-counts * settings.stride / settings.rate / settings.memory)
         R, number = R.copy(), number.copy()
         for slot in np.flatnonzero((share > 0.0) & (number[:-1] > 0.0)):
             R[slot] = _forgotten(R[slot], table[slot], float(share[slot]))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate
 from exoid.leg.payload import Payload
+from exoid.regression.least_squares import scaled_inverse
 from exoid.torques.payloads import payload_parameters
 
 
@@ -57,14 +57,12 @@ def load_change(before: Estimate, after: Estimate, joint: str, position: tuple[f
         raise BadArgumentError("the two estimates have different parameters", remedy="pass two of the same model")
     count = len(leg.parameter_names)
     change = after.values[:count] - before.values[:count]
-    covariance = (before.covariance + after.covariance)[:count, :count]
+    precision = scaled_inverse((before.covariance + after.covariance)[:count, :count])
     column = payload_parameters(leg, [Payload(joint, 1.0, position)])
-    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    lower = scipy.linalg.cholesky(covariance / np.outer(scale, scale) + 1e-12 * np.eye(count), lower=True)
-    w, y = (scipy.linalg.solve_triangular(lower, x / scale, lower=True) for x in (column, change))
-    size = float(np.linalg.norm(w))
-    if size == 0.0:
+    information = float(column @ precision @ column)
+    if information <= 0.0:
         raise NotIdentifiableError(f"a load at {joint} leaves no trace there", remedy="strap it elsewhere")
-    mass = float(w @ y) / size**2
-    misfit = float(np.linalg.norm(y - mass * w)) / np.sqrt(max(count - 1.0, 1.0))
-    return LoadChange(joint, mass, max(1.0, misfit) / size, misfit)
+    mass = float(column @ precision @ change) / information
+    left = change - mass * column
+    misfit = float(np.sqrt(left @ precision @ left / max(count - 1.0, 1.0)))
+    return LoadChange(joint, mass, max(1.0, misfit) / float(np.sqrt(information)), misfit)

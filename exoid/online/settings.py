@@ -74,11 +74,6 @@ class Settings:
         return 64 if self.cutoff is None else 5 * self.stride
 
     @property
-    def row_time(self) -> float:
-        """Time from one row to the next [s]."""
-        return self.stride / self.rate
-
-    @property
     def block_time(self) -> float:
         """Duration of a block [s]."""
         return self.block / self.rate
@@ -105,13 +100,12 @@ class Settings:
     @cached_property
     def smoothing(self) -> FloatArray:
         """Matrices of value, first and second derivative by the first filter, (3, k, history + k)."""
-        return np.array([_sliding(weights, range(self.block)) for weights in self.kernels[0]])
+        return _sliding(self.kernels[0], range(self.block))
 
     @cached_property
     def decimating(self) -> FloatArray:
         """Matrices of value and derivative by the second filter at every row, (2, m, history + k)."""
-        rows = range(self.stride - 1, self.block, self.stride)
-        return np.array([_sliding(weights, rows) for weights in self.kernels[1]])
+        return _sliding(self.kernels[1], range(self.stride - 1, self.block, self.stride))
 
     @cached_property
     def filter_inflation(self) -> float:
@@ -166,6 +160,6 @@ def _width(*, flat: bool) -> float:
     return 2.0 * math.pi / math.sqrt(2.0 * (1.07796 if flat else 0.5 * math.log(2.0)))
 
 
-def _sliding(weights: FloatArray, rows: range) -> FloatArray:
-    """Matrix that applies weights to the samples behind a history of as many samples less one."""
-    return np.array([np.pad(weights, (row, rows.stop - 1 - row)) for row in rows])
+def _sliding(kernels: FloatArray, rows: range) -> FloatArray:
+    """Matrices that apply weights to the samples behind a history of as many samples less one."""
+    return np.array([[np.pad(weights, (row, rows.stop - 1 - row)) for row in rows] for weights in kernels])

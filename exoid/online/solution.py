@@ -73,7 +73,7 @@ def residual_rms(information: Information, values: FloatArray) -> FloatArray:
 def follow_residuals(settings: Settings, before: Correlation, e: FloatArray, used: NDArray[np.bool_]) -> Correlation:
     """Add the residuals (m, n) of a block to their autocorrelation, with a time constant of a minute."""
     m, width = len(e), LAGS + 1
-    discount = float(np.exp(-m * settings.row_time / 60.0))
+    discount = float(np.exp(-m * settings.stride / settings.rate / 60.0))
     both, mask = np.concatenate([before.tail, e]), np.concatenate([before.used, used])
     lagged, masked = (  # (m, n, K + 1), lag 0 first
         np.lib.stride_tricks.sliding_window_view(x, width, axis=0)[-m:, :, ::-1] for x in (both, mask)
@@ -127,7 +127,7 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
 
     first = state.values if R[-1].any() else solve(stack(factors), model.names).values
     weights = 1.0 / rms_of(first)
-    own = np.append(weights, np.sqrt(np.mean(inflation * (rms_of(first) * weights) ** 2)))
+    own = np.append(weights, np.sqrt(np.mean(inflation)))
     try:
         solution = solve(stack(factors, own.tolist()), model.names)
     except NotIdentifiableError:

@@ -11,9 +11,6 @@ from exoid._typing import FloatArray
 from .hypotheses import SENSOR_FAULTS
 from .settings import LAGS, Settings
 
-REMEMBERED = 100
-"""Largest number of changes that a state lists."""
-
 UNKNOWN, STICKING = 1e6, 1.0
 """Marks of a sample that must not touch a row, and of one at which a joint may stick."""
 
@@ -107,7 +104,7 @@ class State(NamedTuple):
     correlation: Correlation
     detector: Detector
     checkpoints: tuple[Information, ...]  # information one, two and three seconds ago, for the case of a change
-    changes: tuple[Change, ...]
+    changes: tuple[Change, ...]  # the last hundred at most
     slips: FloatArray  # samples before the angle of each joint jumped and stayed, (n,)
 
 

@@ -133,19 +133,6 @@ def _held(stream: Stream, q: Sample, tau: Sample, rate: float) -> tuple[tuple[in
     return held, tuple(math.inf if one else begun if count else x for one, count, begun, x in since)
 
 
-def one_sample(q: ArrayLike, v: ArrayLike | None, a: ArrayLike | None, tau: ArrayLike, n: int) -> Sample | None:
-    """Put one sample of arrays (n,) together, fast; None for anything else."""
-    values: list[float] = []
-    for channel in (q, v, a, tau):
-        if channel is None and q is not None and tau is not None:
-            values += [0.0] * n
-        elif isinstance(channel, np.ndarray) and channel.shape == (n,) and channel.dtype == np.float64:
-            values += channel.tolist()
-        else:
-            return None
-    return tuple(values)
-
-
 def as_table(values: ArrayLike | None, name: str, n: int, count: int | None) -> FloatArray:
     """Check an argument of an update, (N, n)."""
     if values is None:
