@@ -435,9 +435,9 @@ def wearer_bodies(leg: exoid.Leg, rng: np.random.Generator | None = None) -> lis
     for limb in leg.limbs:
         hip, knee, ankle = leg.joint_names[limb.joints]
         for joint, part in ((hip, WINTER["hip"]), (knee, WINTER["knee"])):
-            length, ((weight, centre), *_), gyration = part
-            place = (0.0, 0.0, about(-centre * length * height, 0.05))
-            out.append(Payload(joint, about(weight * mass, 0.1), place, gyration * length * height))
+            weight, _, below, gyration = part
+            place = (0.0, 0.0, about(-below * height, 0.05))
+            out.append(Payload(joint, about(weight * mass, 0.1), place, gyration * height))
         out.append(Payload(ankle, 0.0145 * mass, (0.05, 0.0, -0.04)))
     return out
 

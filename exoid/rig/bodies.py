@@ -13,12 +13,20 @@ from exoid.torques.payloads import payload_parameters
 
 from .plant import Plant
 
-WINTER = {"hip": (0.245, ((0.100, 0.433),), 0.323), "knee": (0.246, ((0.0465, 0.433), (0.0145, 1.0)), 0.302)}
-"""Winter's anthropometric table for the thigh (hip) and for shank and foot (knee).
+WINTER = {
+    "hip": (0.100, 0.0, 0.433 * 0.245, 0.323 * 0.245),
+    "knee": (0.0465, 0.0, 0.433 * 0.246, 0.302 * 0.246),
+    # Distance from the ankle to the second metatarsal head over height, 0.11: an assumption for Winter's foot of 0.152.
+    # The centre of mass is assumed at half of the height of the ankle, 0.039.
+    "ankle": (0.0145, 0.50 * 0.11, 0.5 * 0.039, 0.475 * 0.11),
+}
+"""Thigh (hip), shank (knee) and foot (ankle) by Winter's anthropometric table.
 
-Each entry holds the segment length over height, the parts, and the radius of gyration over segment length. A part is
-(mass over body mass, centre of mass over segment length). The foot is a point mass at the end of the shank.
+Each is mass over body mass; and over height distances ahead of and below the joint, and the radius of gyration.
 """
+
+FOOT = (0.0145, 0.0, 0.246, 0.0)
+"""Foot of a leg without ankle, likewise: a point mass at the end of the shank."""
 
 
 def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[str, str] | None = None) -> Leg:
@@ -49,7 +57,7 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[s
             f"a wearer of {height:g} m and {mass:g} kg", remedy="give the height in m and the mass in kg"
         )
     chain, labels = leg.chain, joint_roles(leg, roles or {})
-    if chain is None or any(label not in (*WINTER, "ankle") for label in labels):
+    if chain is None or any(label not in WINTER for label in labels):
         raise NotSupportedError(
             f"no anthropometry for the joints {', '.join(labels)}",
             where=leg.description.name,
@@ -58,7 +66,8 @@ def limb_of(leg: Leg, height: float = 1.75, mass: float = 70.0, roles: Mapping[s
         )
     bodies = []
     for joint, role, turn in zip(leg.joint_names, labels, chain.rotations, strict=True):
-        for weight, ahead, below, gyration in _bodies(role, "ankle" in labels):
+        alone = role == "knee" and "ankle" not in labels
+        for weight, ahead, below, gyration in (WINTER[role], FOOT) if alone else (WINTER[role],):
             centre = height * (ahead * chain.plane.forward - below * chain.plane.up)
             bodies.append(Payload(joint, weight * mass, tuple((turn.T @ centre).tolist()), gyration * height))
     return leg.with_parameters(payload_parameters(leg, bodies))
@@ -78,15 +87,3 @@ def plant_with_payloads(plant: Plant, payloads: Sequence[Payload]) -> Plant:
         ExoidError: The leg does not have a joint that a payload names.
     """
     return replace(plant, parameters=plant.parameters + payload_parameters(plant.leg, payloads)[:, None])
-
-
-def _bodies(joint: str, with_ankle: bool) -> list[tuple[float, float, float, float]]:
-    """Bodies of a segment: mass over body mass; distances ahead and below, and radius of gyration, over height."""
-    if joint == "ankle":
-        # distance from the ankle to the second metatarsal head over height: an assumption for Winter's foot of 0.152;
-        # the centre of mass is assumed at half of the height of the ankle, 0.039
-        length = 0.11
-        return [(0.0145, 0.50 * length, 0.5 * 0.039, 0.475 * length)]
-    length, parts, gyration = WINTER[joint]
-    segment, *foot = [(weight, 0.0, centre * length, 0.0) for weight, centre in parts]
-    return [(*segment[:3], gyration * length), *([] if with_ankle else foot)]

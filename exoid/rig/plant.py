@@ -12,6 +12,7 @@ from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
+from exoid.tools.numbers import checked
 from exoid.tools.tables import DataTable, to_text, value_range
 
 STIFFNESS_DEGREE = 2
@@ -61,22 +62,16 @@ class Plant:
         for name in _array_names():
             values, shape = getattr(self, name), sizes.get(name, (n, count))
             if np.shape(values) != shape or count == 0:
-                raise BadArgumentError(
-                    f"{name} of the plant has shape {np.shape(values)}", remedy=f"it must be {shape}"
-                )
-            if name not in ("lower", "upper") and not np.isfinite(values).all():
-                raise BadArgumentError(
-                    f"{name} of the plant contains a number that is not finite", remedy="give SI numbers"
-                )
+                what = f"{name} of the plant has shape {np.shape(values)}"
+                raise BadArgumentError(what, remedy=f"it must be {shape}")
+            if name not in ("lower", "upper"):  # infinite for no end stop
+                checked(values, f"{name} of the plant", ndim=3)
         if min(self.coulomb.min(), self.viscous.min(), self.armature.min()) < 0.0:
-            raise BadArgumentError(
-                "friction or rotor inertia is negative and would add energy",
-                remedy="change the sign: document 1 counts friction torque on the joint, exoid that of the actuator",
-            )
+            remedy = "change the sign: document 1 counts friction torque on the joint, exoid that of the actuator"
+            raise BadArgumentError("friction or rotor inertia is negative and would add energy", remedy=remedy)
         if not (self.static >= self.coulomb).all():
-            raise BadArgumentError(
-                "static friction is below the kinetic one", remedy="leave cs out, or make it at least c0"
-            )
+            remedy = "leave cs out, or make it at least c0"
+            raise BadArgumentError("static friction is below the kinetic one", remedy=remedy)
         if not (self.lower < self.upper).all():
             raise BadArgumentError("a lower end stop is not below the upper one", remedy="check the limits of the URDF")
 
@@ -104,9 +99,8 @@ class Plant:
         parameters, numbers = numbers_by_symbol(leg, SYMBOLS, values or {})
         pitches = np.atleast_1d(np.asarray(pitch, dtype=np.float64))
         if pitches.ndim != 1 or not len(pitches):
-            raise BadArgumentError(
-                f"pitch of the plant has shape {pitches.shape}", remedy="give one angle, or a row of them"
-            )
+            what = f"pitch of the plant has shape {pitches.shape}"
+            raise BadArgumentError(what, remedy="give one angle, or a row of them")
         _refuse_indefinite(leg, parameters, numbers["Ia"])
         given = [f"cs_{label}" in (values or {}) for label in leg.joint_labels]
         free = np.full(len(given), np.inf)

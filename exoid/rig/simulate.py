@@ -52,10 +52,8 @@ class Rates(NamedTuple):
         counts = [1.0 / (rate * self.step) for rate in (self.control, self.log)]
         whole = [round(count) for count in counts]
         if any(abs(count - k) > 1e-6 * k or k < 1 for count, k in zip(counts, whole, strict=True)):
-            raise BadArgumentError(
-                f"rates of {self.control:g} and {self.log:g} Hz do not fit a step of {self.step:g} s",
-                remedy="choose periods that are whole multiples of the step",
-            )
+            what = f"rates of {self.control:g} and {self.log:g} Hz do not fit a step of {self.step:g} s"
+            raise BadArgumentError(what, remedy="choose periods that are whole multiples of the step")
         return whole[0], whole[1]
 
 

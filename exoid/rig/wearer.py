@@ -62,10 +62,8 @@ class Wearer:
     def __post_init__(self) -> None:
         """Check base, numbers and intention."""
         if not isinstance(self.limb, Leg):
-            raise BadArgumentError(
-                f"a limb of type {type(self.limb).__name__}",
-                remedy="give a Leg, or use Wearer.build(leg, height, mass)",
-            )
+            what = f"a limb of type {type(self.limb).__name__}"
+            raise BadArgumentError(what, remedy="give a Leg, or use Wearer.build(leg, height, mass)")
         refuse_floating_base(self.limb, "a wearer")
         n = len(self.limb.joint_names)
         for name in IMPEDANCES:
@@ -75,9 +73,8 @@ class Wearer:
                 raise BadArgumentError(f"{name} of {len(value)} joints", remedy=remedy)
             object.__setattr__(self, name, value[:, None] if value.ndim == 1 else value)
         if self.intention is None and np.any(self.muscle_stiffness):
-            raise BadArgumentError(
-                "muscles with stiffness but without intention", remedy="give an intention, or muscle_stiffness=0"
-            )
+            what = "muscles with stiffness but without intention"
+            raise BadArgumentError(what, remedy="give an intention, or muscle_stiffness=0")
         active = self.feedforward or np.any(self.muscle_stiffness) or np.any(self.muscle_damping)
         if self.intention is not None and not active:
             raise BadArgumentError("an intention without muscles", remedy="give muscle_stiffness, or intention=None")

@@ -143,16 +143,13 @@ def limb_plant(plant: Plant, wearer: Wearer) -> Plant:
     places = zip(leg.model.jointPlacements, limb.model.jointPlacements, strict=False)
     alike = kinds[0] == kinds[1] and all(at.isApprox(there, ROUNDED) for at, there in places)
     if limb.joint_names != leg.joint_names or not alike:
-        raise BadArgumentError(
-            f"a limb of {limb.description.name} ({', '.join(limb.joint_names)}) in a leg of {plant.description}",
-            remedy="make the wearer of the plant's leg: Wearer.build(plant.leg, height, mass)",
-        )
+        what = f"a limb of {limb.description.name} ({', '.join(limb.joint_names)}) in a leg of {plant.description}"
+        raise BadArgumentError(what, remedy="make the wearer of the plant's leg: Wearer.build(plant.leg, height, mass)")
     for name in IMPEDANCES:
         columns = np.shape(getattr(wearer, name))[1:]
         if columns not in ((), (1,), (plant.count,)):
-            raise BadArgumentError(
-                f"{name} for {columns[0]} rigs on {plant.count}", remedy="give one number for each joint"
-            )
+            what = f"{name} for {columns[0]} rigs on {plant.count}"
+            raise BadArgumentError(what, remedy="give one number for each joint")
     return Plant.build(limb, pitch=plant.pitch, end_stops=False)
 
 

@@ -11,7 +11,7 @@ import exoid
 from exoid import Coulomb
 from exoid.actuators import Actuators, Coupling, LinearActuator, MomentArmTable, Motor, motor_terms
 from exoid.codegen import Dialect, InputInC, LawInC, Safety, c_source, register_c_form, write_ros2
-from exoid.control import Limited, MomentumObserver, pd
+from exoid.control import Limited, MomentumObserver, impedance, pd
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError
 from exoid.torques import LoadFriction, TorqueModel
 
@@ -69,6 +69,7 @@ UNSUPPORTED = {
     "term of another package": leg_of(Sticky()),
     "table of moment arms": lambda: commands_of(LinearActuator(MomentArmTable((-1.0, 0.0, 1.0, 2.0), (0.04,) * 4))),
     "rotors of coupled motors": lambda: source_of(made_up(CUHK, motor_terms(WRIST)[2:])),
+    "law with such rotors": lambda: c_source(impedance(made_up(CUHK, motor_terms(WRIST)[2:]), 50.0, 5.0)),
     "law without a description": lambda: c_source(object()),
     "law that computes something else than its parent": lambda: c_source(Overridden()),
     "channels that lag": lambda: c_source(LATE),

@@ -43,7 +43,6 @@ REST, AIM = State(np.zeros(2), np.zeros(2)), Target(np.zeros(2), np.zeros(2))
 MOVE = AIM._replace(a=np.zeros(2))
 NAN, INF = np.nan, np.inf
 
-
 REFUSED = {
     "gain": [
         (make, bad)
@@ -99,9 +98,7 @@ REFUSED = {
         for bad in ({"kp": -1.0}, {"rate": 0.0}, {"payload": -1.0}, {"friction": NAN}, {"payload": INF})
     ],
     "model": [(ControlModel.of, bad) for bad in (None, "est.json", cuhk_plant().repeat(2))],
-    "law": [
-        (stateful, {}),
-    ],
+    "law": [(stateful, {})],
     "run": [
         (lambda x: simulate_law(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),
         (lambda x: simulate_many(PLANT.repeat(2), pd(1.0, 1.0), GAIT, 1.0, names=x), ("one",)),

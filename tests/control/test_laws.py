@@ -3,6 +3,7 @@
 import runpy
 import warnings
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,6 @@ from exoid.control import AHEAD, SHARP, SMOOTH, ControlModel, FrictionCompensati
 STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_gains.py"))
 KP, KD = (22.0, 56.0), (2.2, 5.6)
 PLANT = cuhk_plant()
-
 
 KNOWN, MODEL = exact_estimate(), ControlModel.of(PLANT)
 Q, V = np.random.default_rng(1).uniform(-1.0, 1.0, (2, 2))
@@ -81,11 +81,13 @@ def test_a_law_is_its_equation(name, source):
 def test_negative_friction_is_compensated_only_with_a_warning():
     right = ControlModel.of(PLANT)
     wrong = replace(right, coulomb=-right.coulomb, viscous=-right.viscous)
-    with pytest.warns(UserWarning, match=r"hip.*knee.*Table III"):
-        gravity_friction_pd(wrong, KP, KD)
+    for make in (partial(gravity_friction_pd, kd=KD), control.gravity_support, partial(control.impedance, damping=KD)):
+        with pytest.warns(UserWarning, match=r"hip.*knee.*Table III"):
+            make(wrong, 0.5, friction=SMOOTH)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         gravity_friction_pd(wrong, KP, KD, friction=None)
+        control.gravity_support(wrong, 0.5, friction=control.PASSIVE)
         gravity_friction_pd(PLANT, KP, KD)
 
 

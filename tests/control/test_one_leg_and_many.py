@@ -1,5 +1,7 @@
 """Every law is a pure function, and gives many legs at once what each gets alone."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from controlled_legs import cuhk_plant, exact_estimate
@@ -17,9 +19,7 @@ FRICTIONS = {
     "none": None,
 }
 
-
 SOURCES = {"est": exact_estimate(), "rig": cuhk_plant(), "leg": exoid.load_leg("bleex")}
-
 
 LAWS = {
     "pd": lambda source: control.pd(20.0, 2.0),
@@ -30,12 +30,9 @@ LAWS = {
     "support": lambda source: control.gravity_support(source, 0.5, friction=control.PASSIVE),
     "amplification": lambda source: control.sensitivity_amplification(source, 5.0),
     "self-tuning": lambda source: control.self_tuning(source, 20.0, 2.0),
-    **{
-        f"gravity, {name}": lambda source, friction=friction: control.gravity_friction_pd(
-            source, 20.0, 2.0, friction=friction
-        )
-        for name, friction in FRICTIONS.items()
-    },
+} | {
+    f"gravity, {name}": partial(control.gravity_friction_pd, kp=20.0, kd=2.0, friction=friction)
+    for name, friction in FRICTIONS.items()
 }
 CASES = [(source, name) for source in SOURCES for name in LAWS if source == "est" or name != "self-tuning"]
 

@@ -54,10 +54,9 @@ def test_without_forgetting_it_is_the_batch_estimate(leg, truth):
 def test_samples_one_by_one_and_in_blocks_give_the_same(leg, truth):
     q, _, _, tau = swing(leg, truth, 6.0)
     single, blocks = (RecursiveEstimator(leg, TERMS, rate=RATE) for _ in range(2))
-    for k in range(len(q)):
-        single.update(q[k], None, None, tau[k])
-    for start in range(0, len(q), 777):
-        blocks.update(q[start : start + 777], None, None, tau[start : start + 777])
+    for online, size in ((single, 1), (blocks, 777)):
+        for start in range(0, len(q), size):
+            online.update(q[start : start + size].squeeze(), None, None, tau[start : start + size].squeeze())
     assert np.array_equal(single.estimate.values, blocks.estimate.values)
 
 

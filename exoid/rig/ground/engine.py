@@ -30,10 +30,7 @@ class Engine:
     # The step is a leapfrog: v_{k+½} = v_{k−½} + dt a_k, q_{k+1} = q_k + dt v_{k+½}. `begin` computes what depends on
     # q_k and on v_k = v_{k−½} + ½ dt a_{k−1}, then forces are applied, and `finish` computes the acceleration a_k and
     # the contact forces, and advances the state. Friction and Coriolis forces of v_{k−½} would be half a step late.
-    # plant: The machine.
     # base: Number of velocities of the base, 3 or 6.
-    # model: MuJoCo's model.
-    # data: MuJoCo's state.
     # q: Joint angles [rad], (n,), a view.
     # v: Joint velocities [rad/s], (n,), a view.
     # rate: Velocities of base and joints, (base + n,), a view. Of a base in space: linear in the laboratory,

@@ -44,10 +44,8 @@ class Sole:
         """Check shape and unit."""
         points = np.array(self.points, dtype=np.float64)
         if points.ndim != 2 or points.shape[1:] != (3,) or len(points) < 2 or not (np.abs(points) <= FARTHEST).all():
-            raise BadArgumentError(
-                f"a sole with points of shape {points.shape}",
-                remedy=f"give at least heel and toe in m, (K, 3), at most {FARTHEST:g} m from the origin of the link",
-            )
+            remedy = f"give at least heel and toe in m, (K, 3), at most {FARTHEST:g} m from the origin of the link"
+            raise BadArgumentError(f"a sole with points of shape {points.shape}", remedy=remedy)
         checked(self.radius, "the radius of the spheres of a sole", above=0.0, most=FARTHEST)
         points.flags.writeable = False
         object.__setattr__(self, "points", points)

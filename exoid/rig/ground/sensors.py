@@ -106,15 +106,13 @@ class GroundSensors:
             if field.name not in others:
                 checked(getattr(self, field.name), field.name, least=0.0)
         for name in ("imu_position", "imu_misalignment"):
-            if np.shape(getattr(self, name)) != (3,) or not np.isfinite(getattr(self, name)).all():
-                raise BadArgumentError(
-                    f"{name} of the sensors is {getattr(self, name)}", remedy="give three finite numbers"
-                )
+            if checked(getattr(self, name), name).shape != (3,):
+                what = f"{name} of the sensors is {getattr(self, name)}"
+                raise BadArgumentError(what, remedy="give three finite numbers")
         checked(self.mislabelled, "mislabelled", most=0.99)  # a switch that is never closed has no stance
         if self.wrench_axes not in get_args(Axes):
-            raise BadArgumentError(
-                f"wrenches in axes {self.wrench_axes!r}", remedy=f"use one of {', '.join(get_args(Axes))}"
-            )
+            what, remedy = f"wrenches in axes {self.wrench_axes!r}", f"use one of {', '.join(get_args(Axes))}"
+            raise BadArgumentError(what, remedy=remedy)
 
     @classmethod
     def exact(cls, *, wrench_axes: Axes = "link") -> GroundSensors:

@@ -63,10 +63,8 @@ def simulate_on_ground(
     every_control, every_log = rates.steps()
     first, last = (round(float(t) / rates.step) for t in motion.time[[0, -1]])
     if first > 0 or last < 1:
-        raise BadArgumentError(
-            f"the reference is from {motion.time[0]:g} to {motion.time[-1]:g} s",
-            remedy="begin at zero or before, and end after zero",
-        )
+        what = f"the reference is from {motion.time[0]:g} to {motion.time[-1]:g} s"
+        raise BadArgumentError(what, remedy="begin at zero or before, and end after zero")
     targets = motion.at(rates.step * np.arange(first, last + 1, dtype=np.float64))
     engine = Engine(plant, rates.step)
     engine.place(targets.q[0], targets.base[0])
@@ -101,10 +99,8 @@ def simulate_on_ground(
         if reader is not None and (k + 1) % every_control == 0:
             reader.feel(muscles)
         if not engine.rate @ engine.rate < DIVERGED_SPEED**2:
-            raise BadArgumentError(
-                f"the machine diverged before {now * rates.step:.3g} s",
-                remedy="lower the gains, slow the motion, or shorten the step",
-            )
+            what = f"the machine diverged before {now * rates.step:.3g} s"
+            raise BadArgumentError(what, remedy="lower the gains, slow the motion, or shorten the step")
     return books.run(rates.step)
 
 
