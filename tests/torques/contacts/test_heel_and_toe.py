@@ -163,6 +163,8 @@ def test_a_healthy_walk_needs_no_settings_but_an_imu(walk):
         error = (force.force - level_wrench(walk.plant.leg, again.q, link, again.wrench(link), rows).force)[:, 2]
         assert np.sqrt(np.mean(error**2)) < 0.3 * again.wrench(link).force[rows, 2].std()
         assert np.mean(np.abs(error) <= force.force_half[:, 2]) > 0.8
+    much = replace(log.base, specific_force=1.04 * log.base.specific_force)
+    assert "imu-scale" in {one.kind for one in exoid.check(walk.plant.leg, replace(log, base=much))}
     with pytest.raises(UnreadableInputError, match="feet roll from heel to toe"):
         exoid.identify(walk.plant.leg, replace(log, base=None))
     held = walk.recording(seed=1, wrenches=())  # an unknown harness: no foot, but nothing tells of the torso
