@@ -79,10 +79,8 @@ def _split(group: Group, *, by_noise: bool, check: bool) -> list[Group]:
             remedy = f"record it, or say that no actuator is there: passive=({', '.join(map(repr, missing))},)"
             raise UnreadableInputError(what, where=data[0].file_name, remedy=remedy, joints=tuple(missing))
         prepared = choose_preparation(data, base_rows=plates or not links) if by_noise else group.preparation
-        name, told = (
-            " and ".join(links) + (" on plates" if plates else "") or MEASURED,
-            () if groups else tuple(findings),
-        )
+        name = " and ".join(links) + (" on plates" if plates else "") or MEASURED
+        told = () if groups else tuple(findings)
         groups.append(replace(group, model=support, data=tuple(data), preparation=prepared, links=name, findings=told))
     return groups
 
