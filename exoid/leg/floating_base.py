@@ -20,7 +20,8 @@ def free_flyer_model(model: pin.Model) -> pin.Model:
     joint = base.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "exoid base")
     frame = base.addFrame(pin.Frame("exoid base", joint, 0, pin.SE3.Identity(), pin.FrameType.BODY))
     free = pin.appendModel(base, model, frame, pin.SE3.Identity())
-    free.inertias[1] = model.inertias[0]
+    for body, inertia in enumerate(model.inertias, start=1):  # Pinocchio adds them, which negative masses do not bear
+        free.inertias[body] = inertia
     free.gravity = model.gravity
     return free
 
@@ -35,8 +36,7 @@ def planar_coordinates(plane: Plane, hip: FloatArray) -> FloatArray:
 
 def rest(gravity: FloatArray, count: int) -> BaseKinematics:
     """Motion of a base that stands upright and still."""
-    still = np.zeros((count, 3))
-    return BaseKinematics(still, still, np.tile(-gravity, (count, 1)))
+    return BaseKinematics(*np.zeros((2, count, 3)), np.tile(-gravity, (count, 1)))
 
 
 def project_columns(matrix: FloatArray, coordinates: FloatArray) -> FloatArray:
