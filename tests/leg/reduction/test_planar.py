@@ -1,5 +1,7 @@
 """The batched closed form against Pinocchio: its RNEA and its regressor, on every leg and on random chains."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planar_chains import assert_relative, joint_torque_regressor, random_chain, random_motion
@@ -7,6 +9,7 @@ from small_urdfs import OFFSET_BODY as BODY
 
 import exoid
 from exoid import Leg, TorsoMotion
+from exoid.leg.model import with_dynamic_parameters
 from exoid.leg.reduction import planar
 from exoid.leg.reduction.planar_machine import PlanarMachine
 
@@ -138,6 +141,8 @@ def test_other_robots_are_not_taken_for_planar_chains(arguments):
     assert leg.chain is None
     q, v, a = random_motion(np.random.default_rng(10), 2)
     assert_relative(leg.regressor(q, v, a) @ leg.parameters, leg.inverse_dynamics(q, v, a), 1e-9)
+    minus = replace(leg, model=with_dynamic_parameters(leg.model, -leg.link_parameters))  # as of estimates
+    assert_relative(minus.inverse_dynamics(q, v, a, TorsoMotion()), -leg.inverse_dynamics(q, v, a), 1e-9)
 
 
 def test_another_gravity_is_not_taken_for_the_documents(built_in_leg):
