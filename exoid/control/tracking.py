@@ -138,19 +138,9 @@ def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
 
 def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tracking:
     """Take one rig out of a run."""
-    return Tracking(
-        law=law,
-        rate=rate,
-        joint_names=run.plant.leg.joint_names,
-        time=run.time,
-        target=run.target[..., rig],
-        q=run.q[..., rig],
-        v=run.v[..., rig],
-        tau=run.tau[..., rig],
-        recording=run.recording(rig, velocity=True),
-        settle=settle,
-        interaction=None if run.interaction is None else run.interaction[..., rig],
-    )
+    target, q, v, tau = (x[..., rig] for x in (run.target, run.q, run.v, run.tau))
+    log, felt = run.recording(rig, velocity=True), None if run.interaction is None else run.interaction[..., rig]
+    return Tracking(law, rate, run.plant.leg.joint_names, run.time, target, q, v, tau, log, settle, felt)
 
 
 def rms(values: FloatArray) -> FloatArray:

@@ -37,6 +37,7 @@ class ObserverMemory(NamedTuple):
     p: FloatArray  # last momentum [N·m·s] and its columns, (1 + K, n)
     u: FloatArray  # last sum of actuator's and model's torque [N·m], and its columns, (1 + K, n)
     filtered: FloatArray  # memory of the filter of the balance, of its columns, and of unknown friction, (m, 2 + K, n)
+    derived: bool | None = None  # whether velocities were derived; None before the first sample
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -228,6 +229,9 @@ class MomentumObserver:
         if derived and self.alignment.filters is None:
             what = "velocities are neither measured nor derived, as cutoff is inf"
             raise BadArgumentError(what, remedy="give velocities, or a cutoff")
+        if memory.derived not in (None, derived):  # their filter would start with zeros, or with old ones
+            what = "velocities came with some samples and not with others"
+            raise BadArgumentError(what, remedy="give them at every sample, or never; begin again where that changes")
         aligned, alignment = self.alignment.run(memory.alignment, rows, derived=derived)
         now = self.terms.over(aligned[:, 0], aligned[:, 1])
         now.u[:, 0] += aligned[:, 2]
@@ -242,7 +246,7 @@ class MomentumObserver:
         std, stiction = np.sqrt(variance), np.clip(bound, 0.0, None)
         settled = memory.samples + np.arange(len(rows)) >= self.settling
         detected = (np.abs(torque) > stiction + self.threshold * std) & settled[:, None]
-        after = ObserverMemory(memory.samples + len(rows), rows[-1, 0], alignment, p[-1], u[-1], filtered)
+        after = ObserverMemory(memory.samples + len(rows), rows[-1, 0], alignment, p[-1], u[-1], filtered, derived)
         return ObserverReading(torque, std, stiction, detected), after
 
     @cached_property
