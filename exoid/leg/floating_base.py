@@ -36,7 +36,8 @@ def planar_coordinates(plane: Plane, hip: FloatArray) -> FloatArray:
 
 def rest(gravity: FloatArray, count: int) -> BaseKinematics:
     """Motion of a base that stands upright and still."""
-    return BaseKinematics(*np.zeros((2, count, 3)), np.tile(-gravity, (count, 1)))
+    still = np.zeros((count, 3))
+    return BaseKinematics(still, still, np.tile(-gravity, (count, 1)))
 
 
 def project_columns(matrix: FloatArray, coordinates: FloatArray) -> FloatArray:

@@ -102,8 +102,7 @@ def _parameters(inertial: etree._Element) -> FloatArray:
 
 def numbers_of(element: etree._Element | None, attribute: str, default: str = "0 0 0") -> FloatArray:
     """Numbers of an attribute, which were checked before."""
-    text = default if element is None else element.get(attribute, default)
-    return np.array([float(word) for word in text.split()])
+    return np.array((default if element is None else element.get(attribute, default)).split(), dtype=np.float64)
 
 
 def _write_inertial(link: etree._Element, parameters: FloatArray) -> None:
