@@ -99,6 +99,6 @@ def _plain_terms(model: ControlModel, width: float | None) -> Iterator[tuple[Ter
         powers[: np.argmax(np.append(powers, 1.0) != 0.0)] = np.nan
         yield Stiffness(degree=degree), (j,), powers
         if width is not None and model.coulomb[j] != 0.0:
-            yield Coulomb(smoothing=width), (j,), model.coulomb[[j]]
+            yield Coulomb(smoothing=width * float(model.radian[j])), (j,), model.coulomb[[j]]
         if width is not None and model.viscous[j] != 0.0:
             yield Viscous(), (j,), model.viscous[[j]]

@@ -32,7 +32,7 @@ class FrictionCompensation:
 
     Attributes:
         velocity: "measured" or "desired".
-        width: tanh(v / width) instead of sgn(v) [rad/s]; 0 for the sharp sign.
+        width: tanh(v / width) instead of sgn(v) [rad/s], a tenth of it in m/s where a joint slides; 0 for sgn(v).
         scale: Share of the model's friction that is compensated, 1 for all.
         drives: Whether it may drive a joint, as friction of the wrong sign, too much of it, or a sharp sign do.
 

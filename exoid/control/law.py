@@ -223,8 +223,6 @@ def spread(values: FloatArray, like: FloatArray) -> FloatArray:
 def acceleration(target: Target) -> FloatArray:
     """Take the acceleration of a target."""
     if target.a is None:
-        raise BadArgumentError(
-            "the reference has no acceleration, which this controller needs",
-            remedy="give Target(q, v, a), or use a controller that needs none, such as gravity_friction_pd",
-        )
+        remedy = "give Target(q, v, a), or use a controller that needs none, such as gravity_friction_pd"
+        raise BadArgumentError("the reference has no acceleration, which this controller needs", remedy=remedy)
     return target.a

@@ -36,7 +36,7 @@ def lqr(
     Args:
         source: An estimate, a leg, or a plant of one rig.
         pose: Angles [rad], (n,), such as :func:`exoid.control.mean_pose` of a reference.
-        angle_deg: Acceptable angle error [deg], a number or (n,).
+        angle_deg: Acceptable angle error [deg], a number or (n,); a degree of a slide is 1.7 mm.
         torque: Acceptable torque in addition to the feedforward [N·m], likewise.
         friction: Friction compensation; None for none.
         rate: Sampling rate [Hz].
@@ -54,7 +54,7 @@ def lqr(
     model = model_to_compensate(source, friction)
     n, at_rest = model.n, np.zeros(model.n)
     about = for_joints(checked(pose, "the pose"), n, "angles of the pose")
-    acceptable = (np.deg2rad(angle_deg), torque)
+    acceptable = (np.deg2rad(angle_deg) * model.radian, torque)
     deviations = [for_joints(checked(x, "an acceptable deviation", above=0.0), n, "deviations") for x in acceptable]
     A, B = discretise(*linearise(model, about, at_rest, at_rest), 1.0 / rate)
     Q, R = np.diag(np.append(deviations[0] ** -2.0, at_rest)), np.diag(deviations[1] ** -2.0)

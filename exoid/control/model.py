@@ -20,6 +20,7 @@ from exoid.regression.diagnostics import SIZE
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
+from exoid.torques.catalog import radians
 
 from .law import RATE
 from .other_term import OtherTerm, torque_of
@@ -203,13 +204,13 @@ class ControlModel:
         Args:
             q: Angles [rad], for terms that depend on them too, (n,) or (n, B).
             v: Velocities [rad/s], likewise.
-            width: Width of a smooth sign [rad/s]; 0 for a sharp one.
+            width: Width of a smooth sign [rad/s], a tenth of it in m/s where a joint slides; 0 for a sharp one.
 
         Returns:
             Torque [N·m], of the same shape.
         """
-        sign = np.sign(v) if width == 0.0 else np.tanh(v / width)
-        c0, d = (self.coulomb, self.viscous) if v.ndim == 1 else (self.coulomb[:, None], self.viscous[:, None])
+        c0, d, radian = (x if v.ndim == 1 else x[:, None] for x in (self.coulomb, self.viscous, self.radian))
+        sign = np.sign(v) if width == 0.0 else np.tanh(v / (width * radian))
         torque = c0 * sign + d * v
         return np.asarray(torque + self._others_beyond_rest(q, v=v, load=self.gravity(q)) if self.others else torque)
 
@@ -238,6 +239,11 @@ class ControlModel:
             for joint, one in enumerate(np.eye(self.n)):
                 found[..., joint] += self._others_beyond_rest(q.T, a=np.tile(one[:, None], len(q))).T
         return found
+
+    @cached_property
+    def radian(self) -> FloatArray:
+        """What counts as a radian at each joint, 1 rad or 0.1 m, (n,)."""
+        return radians(self.leg)
 
     @cached_property
     def pinocchio(self) -> pin.Model:

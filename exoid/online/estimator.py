@@ -38,7 +38,7 @@ class RecursiveEstimator:
         memory: Time constant of forgetting [s]; ``math.inf`` to forget nothing, and detect no change.
         start: Estimate to begin with, whose covariance says what it knows, such as one that an earlier session saved;
             None to begin with nothing.
-        reversal_speed: Speed below which rows of a joint with dry friction are left out [rad/s]; 0 for none.
+        reversal_speed: Speed below which joints with dry friction have no rows [rad/s], slides a tenth in m/s; 0: none.
         torque_limits: Largest torque of each joint [N·m], (n,); samples that reach it are left out.
         false_alarms: Rate of false alarms of the detection of sudden changes [1/h]; 0 for no detection.
 

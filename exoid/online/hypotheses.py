@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.regression.least_squares import RANK
-from exoid.torques import Armature, TorqueModel
+from exoid.torques import TorqueModel
 
 SENSOR_FAULTS = {"torque-scale": "", "angle-offset": " rad", "torque-delay": " s"}
 """Units of the faults of each joint's sensors, in the order of their columns behind those of the parameters."""
@@ -30,8 +30,7 @@ def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
     leg, names, n = model.leg, model.names, len(model.leg.joint_names)
     found: dict[tuple[str, str], list[str]] = {}
     for block in model.blocks:
-        named = "inertia" if type(block.term) is Armature else type(block.term).__name__.lower()
-        kind = "friction" if block.term.friction else named
+        kind = "friction" if block.term.friction else type(block.term).__name__.lower().replace("armature", "inertia")
         kept = [name for name in block.names if name in names]
         if kept:
             found.setdefault((kind, leg.joint_names[block.joints[0]]), []).extend(kept)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
+from exoid.torques.catalog import radians
 
 from .settings import Settings
 from .state import STICKING, UNKNOWN, State
@@ -61,7 +62,7 @@ def rows_of(settings: Settings, state: State, samples: FloatArray) -> tuple[Rows
 
 def _marks(settings: Settings, v: FloatArray, marks: FloatArray) -> FloatArray:
     """Add marks where a joint may stick, or is in the dead band of its friction, (k, n)."""
-    sticks = settings.sticking & (np.abs(v) < settings.reversal_speed)
+    sticks = settings.sticking & (np.abs(v) < settings.reversal_speed * radians(settings.model.leg))
     return marks + np.where(sticks | ~settings.model.usable(v), STICKING, 0.0)
 
 

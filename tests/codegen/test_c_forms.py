@@ -22,13 +22,8 @@ class Drag(Term):
 
     threshold: float = 0.5
 
-    @property
-    def symbols(self):
-        return "kp", "kn"
-
-    @property
-    def units(self):
-        return ("N·m·s²/rad²",) * 2
+    symbols = "kp", "kn"
+    units = ("N·m·s²/rad²",) * 2
 
     def fill(self, motion, out):
         drag = np.abs(motion.v) * motion.v * (np.abs(motion.v) > self.threshold)
@@ -47,13 +42,8 @@ def drag_in_c(term: Drag, joint: JointInC) -> str:
 class Counterweight(Term):
     """τ = m sin q + o: a weight on the joint that is not in the URDF, and an offset of its own."""
 
-    @property
-    def symbols(self):
-        return "m", "o"
-
-    @property
-    def units(self):
-        return ("N·m",) * 2
+    symbols = "m", "o"
+    units = ("N·m",) * 2
 
     def fill(self, motion, out):
         out[0], out[1] = np.sin(motion.q), 1.0
@@ -70,13 +60,8 @@ class GearedRotor(Term):
 
     ratio: float = 10.0
 
-    @property
-    def symbols(self):
-        return ("Im",)
-
-    @property
-    def units(self):
-        return ("kg·m²",)
+    symbols = ("Im",)
+    units = ("kg·m²",)
 
     def fill(self, motion, out):
         out[0] = self.ratio**2 * motion.a

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate, true_torque
 
+from exoid import Leg
 from exoid.control import ControlModel
+from exoid.leg.description import describe
 from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
 
 RNG = np.random.default_rng(3)
@@ -15,9 +17,8 @@ def test_inverse_dynamics_is_pinocchios_with_springs_and_rotors():
     model = ControlModel.of(plant)
     viscous = plant.viscous[:, 0]
     for q, v, a in RNG.uniform(-1.0, 1.0, (20, 3, 2)):
-        np.testing.assert_allclose(
-            model.inverse_dynamics(q, v, a) + viscous * v, true_torque(plant, q, v, a), rtol=1e-12, atol=1e-12
-        )
+        whole = model.inverse_dynamics(q, v, a) + viscous * v
+        np.testing.assert_allclose(whole, true_torque(plant, q, v, a), rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(model.statics(q), true_torque(plant, q, 0.0 * v, 0.0 * a), atol=1e-12)
 
 
@@ -31,16 +32,20 @@ def test_everything_together_is_the_torque_that_the_estimate_predicts():
         np.testing.assert_allclose(whole, est.torque(q, v, a)[0], rtol=1e-12, atol=1e-12)
 
 
+def test_friction_of_a_slide_is_as_smooth_as_that_of_the_terms():
+    """A tenth of a width in rad/s counts in m/s."""
+    leg = Leg.from_description(describe(LEG.description.text.replace("revolute", "prismatic", 1)), LEG.joint_names)
+    model = TorqueModel(leg, (Coulomb(smoothing=0.015),))
+    values, v = np.append(leg.parameters, [1.0, 2.0]), RNG.uniform(-0.02, 0.02, (10, 2))
+    friction = model.regressor(0.0 * v, v, 0.0 * v)[:, :, -2:] @ [1.0, 2.0]
+    found = ControlModel.of_parameters(model, values).friction(0.0 * v.T, v.T, 0.015).T
+    np.testing.assert_allclose(found, friction, atol=1e-12)
+
+
 class Cubic(Viscous):
     """A friction that exoid does not have, τ = e v³ + f."""
 
-    @property
-    def symbols(self):
-        return ("e", "f")
-
-    @property
-    def units(self):
-        return ("N·m·s³/rad³", "N·m")
+    symbols, units = ("e", "f"), ("N·m·s³/rad³", "N·m")
 
     def fill(self, motion, out):
         out[0], out[1] = motion.v**3, 1.0

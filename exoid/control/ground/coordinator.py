@@ -311,15 +311,12 @@ def _check_table(functions: Mapping[str, Function], table: Sequence[Rule]) -> No
     for rule in table:
         unknown = [name for name in (rule.function, rule.then) if name not in states]
         if unknown or rule.condition not in ("request", "end", "known"):
-            raise BadArgumentError(
-                f"the rule {rule.function} -> {rule.then} on {rule.condition!r}",
-                remedy=f"functions are {', '.join(functions)}; conditions are request, end and known",
-            )
+            what = f"the rule {rule.function} -> {rule.then} on {rule.condition!r}"
+            remedy = f"functions are {', '.join(functions)}; conditions are request, end and known"
+            raise BadArgumentError(what, remedy=remedy)
         if rule.condition == "end" and functions[rule.function].expected(1.0) != functions[rule.then].expected(0.0):
-            raise BadArgumentError(
-                f"{rule.function} ends on other contacts than those on which {rule.then} begins",
-                remedy="put a function between them",
-            )
+            what = f"{rule.function} ends on other contacts than those on which {rule.then} begins"
+            raise BadArgumentError(what, remedy="put a function between them")
     for name in states:
         if not any(rule.function == name and rule.then != name for rule in table):
             raise BadArgumentError(f"the state {name!r} has no exit", remedy="add a rule that leads out of it")

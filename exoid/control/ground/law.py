@@ -413,10 +413,8 @@ def _refuse(model: GroundModel, state: GroundState, target: GroundTarget) -> Non
     unknown = [link for link in (*state.contacts, *state.shares) if link not in model.soles]
     kinds = [kind for kind in state.contacts.values() if kind not in ("flat", "heel", "toe")]
     if unknown or kinds:
-        raise BadArgumentError(
-            f"contacts {dict(state.contacts)} with shares {dict(state.shares)}",
-            remedy=f"name {', '.join(model.soles)} with flat, heel or toe",
-        )
+        what = f"contacts {dict(state.contacts)} with shares {dict(state.shares)}"
+        raise BadArgumentError(what, remedy=f"name {', '.join(model.soles)} with flat, heel or toe")
     own = [x for x in (state.q, state.v, state.interaction, target.q, target.v, target.a) if x is not None]
     push = np.zeros(BASE) if state.push is None else state.push
     shapes = np.shape(push) == (BASE,) and all(np.shape(x) == (model.n,) for x in own)

@@ -160,9 +160,8 @@ class CoordinatedLoop(LawLoop):
         """Begin on the last contacts of the first function."""
         leg, rate = self.law.model.leg, self.coordinator.rate
         if self.contacts.rate != rate:
-            raise BadArgumentError(
-                f"a filter at {self.contacts.rate:g} Hz for a coordinator at {rate:g} Hz", remedy="give both one rate"
-            )
+            what = f"a filter at {self.contacts.rate:g} Hz for a coordinator at {rate:g} Hz"
+            raise BadArgumentError(what, remedy="give both one rate")
         unknown, place = {*self.requests.values()} - {*self.coordinator.functions}, self.contacts.imu_position
         if unknown or place.any():
             raise BadArgumentError(f"requests of {unknown}, an IMU at {place} m", remedy="request functions, IMU at 0")

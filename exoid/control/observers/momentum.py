@@ -74,8 +74,9 @@ class MomentumModel:
             of_torque[:, :rigid] = (turned - gravity).transpose(2, 0, 1)
             momentum = np.concatenate([momentum, pushed - rest], axis=1)
             torques = np.concatenate([torques, of_torque], axis=1)
-        level = np.max([np.abs(model.friction(q.T, np.full_like(v.T, s * WIDTH), 0.0)) for s in (1.0, -1.0)], axis=0).T
-        return Momentum(momentum, torques, self.stiction * level * (1.0 - np.tanh(v / self.width) ** 2), M)
+        width, slow = self.width * model.radian, WIDTH * model.radian[:, None]
+        level = np.max([np.abs(model.friction(q.T, 0.0 * v.T + s * slow, 0.0)) for s in (1.0, -1.0)], axis=0).T
+        return Momentum(momentum, torques, self.stiction * level * (1.0 - np.tanh(v / width) ** 2), M)
 
     def _of_bodies(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Columns of M(q), (p, n, n, N), and of Cᵀv and G, (p, n, N) each."""

@@ -67,7 +67,7 @@ class MomentumObserver:
             estimate. A torque that is held from one sample to the next lags by −T/2 where it is logged at the beginning
             of its interval, and by T/2 at the end.
         velocity_delay: Lag of measured velocities behind angles [s], likewise.
-        width: Width of the smooth sign of friction [rad/s].
+        width: Width of the smooth sign of friction [rad/s], a tenth of it in m/s where a joint slides.
         stiction: Static friction over friction in slow motion: an assumption, as Coulomb friction does not show it.
 
     Raises:
