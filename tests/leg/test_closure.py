@@ -69,6 +69,12 @@ def test_loops_close_and_the_regressor_gives_the_torque(leg):
     tree = leg.tree_motion(q, v, a)
     assert leg.closure.gap(tree.q).max() < 1e-12
     np.testing.assert_array_equal(tree.q[:, leg.closure.independent], q)
+    opened, data, apart = tree.q[0] + 0.02 * np.arange(tree.q.shape[1]), leg.model.createData(), {}
+    pin.forwardKinematics(leg.model, data, opened)
+    for pair in leg.closure.pairs:
+        first, second = (data.oMi[body + 1] * place for body, place in zip(pair.bodies, pair.places, strict=True))
+        apart.setdefault(pair.loop.name, []).append(np.linalg.norm(first - second))
+    np.testing.assert_allclose(leg.closure.gap(opened[None])[0], [max(each) for each in apart.values()], rtol=1e-9)
     torque = leg.inverse_dynamics(q, v, a)
     np.testing.assert_allclose(leg.regressor(q, v, a) @ leg.parameters, torque, atol=1e-12 * np.abs(torque).max())
 

@@ -59,6 +59,8 @@ def test_the_estimate_survives_a_file(estimate, tmp_path):
     estimate.save(tmp_path / "exo.json")
     again = exoid.Estimate.load(tmp_path / "exo.json")
     assert (str(again), again.supports, *again.values) == (str(estimate), estimate.supports, *estimate.values)
+    recorded = sum(one.samples / one.sample_rate for one in estimate.inputs)
+    assert 0.5 * recorded < sum(one.seconds for one in estimate.supports) <= recorded
 
 
 def with_plates(log, rng, late=0):
