@@ -11,18 +11,20 @@ import numpy as np
 from exoid.actuators import Actuators, motor_terms
 from exoid.actuators.constants import unknown_constants
 from exoid.errors import BadArgumentError, NotSupportedError, within
+from exoid.estimate.finding import Finding
 from exoid.estimate.late_velocity import late_velocities
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Preparation, Recording, Recordings, ZeroPhase
 from exoid.signals.cutoff import preparation_from
 from exoid.signals.preparation import preparation_from_json
-from exoid.torques import Term, TorqueModel
+from exoid.torques import CoordinateTerm, Term, TorqueModel
 from exoid.torques.catalog import terms_of
 
 from .drive_constants import refuse_unknown_scale
 from .drives import Drives, computed_joints, drive_groups, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
+from .estimators.by_name import name_of
 from .findings.repeats import counted_once
 from .group_rows import Group, Measured, check_recordings
 from .groups import own_parameters, pair_groups
@@ -35,7 +37,6 @@ from .recording_summary import (
     summarize,
     unmeasured_joints,
 )
-from .unmeasured import terms_where_measured, unmeasured_finding
 
 
 def begin(
@@ -175,3 +176,36 @@ def model_with(leg: Leg, terms: Sequence[Term], known: Iterable[str], apart: Seq
     model = TorqueModel(leg, tuple(terms), separate=(*separate, *apart))
     freed = [one.name for one in model.regrouped if not one.into.keys().isdisjoint(separate)]
     return TorqueModel(leg, model.terms, separate=(*separate, *apart, *freed)) if freed else model
+
+
+def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Sequence[str]) -> tuple[Term, ...]:
+    """Let terms of all joints act only on joints whose torque was measured, or whose parameters are known."""
+    if getattr(estimator, "fits_samples", False):  # friction leaves no trace in the torques of other joints
+        what = f"{name_of(estimator)} fits the torque of every joint, and that of some was not measured"
+        raise NotSupportedError(what, remedy="use wls, huber or ols")
+    labels, given = problem.groups[0].model.leg.joint_labels, problem.given
+    known = {*(name.partition("[")[0] for name in given.known), *given.prior.values}
+    kept = []
+    for term in problem.terms:
+        if term.joints is None and not isinstance(term, CoordinateTerm):
+            without = {j for j in unmeasured if not {f"{symbol}_{j}" for symbol in term.symbols} <= known}
+            joints = tuple(joint for joint in labels if joint not in without)
+            kept += [replace(term, joints=joints)] if joints else []
+        else:
+            kept.append(term)
+    return tuple(kept)
+
+
+def unmeasured_finding(group: Group) -> tuple[Finding, ...]:
+    """Say which joints of a group have no torque."""
+    summaries, found = group.summaries, list(group.findings)
+    torques = [one.torques for one in summaries if one.torques is not None]
+    for place, joint in enumerate(group.model.leg.joint_names):
+        without = sum(not of_one.measured[place] for of_one in torques)
+        if not without:
+            continue
+        logs = f"{without} of {len(torques)} logs"
+        message = f"the torque of {joint} was not measured in {logs}, which have no rows of it"
+        remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
+        found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
+    return tuple(found)

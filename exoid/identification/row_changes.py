@@ -23,8 +23,9 @@ from exoid.regression.row_data import Rows
 from exoid.signals import Recording, without_torque_delay
 from exoid.torques.contacts.support_model import SupportModel
 
+from .findings.efforts import CLEARLY, FITS_BETTER, POOR
 from .findings.kinds import KINDS
-from .findings.readings import CLEARLY, FITS_BETTER, POOR, Reading, readings
+from .findings.readings import Reading, readings
 from .findings.sample import few_of
 from .group_rows import Group
 from .problem import Fitted, Problem

@@ -8,9 +8,8 @@ import numpy as np
 
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, Severity, ordered
-from exoid.identification.findings.factors import fit_torques
+from exoid.identification.findings.efforts import FITS_BETTER, fit_torques
 from exoid.identification.findings.physics import impossible_leg
-from exoid.identification.findings.readings import FITS_BETTER
 from exoid.identification.findings.sample import FittedLeg
 
 from .hypotheses import SENSOR_FAULTS

@@ -11,9 +11,8 @@ from unchecked import identify
 import exoid
 from exoid import ExoidError
 from exoid.identification.estimators import JointML
-from exoid.identification.estimators.bordered import eliminate
 from exoid.identification.estimators.motion_system import Levels, MotionState, Moving, System, respond
-from exoid.identification.estimators.trajectory import Trajectory
+from exoid.identification.estimators.trajectory import Trajectory, eliminate
 from exoid.signals import Poses
 from exoid.torques import Motion, TorqueModel
 

@@ -13,9 +13,8 @@ from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
 from exoid.regression.problem import Fit, Uncertainty
 from exoid.torques import TorqueModel
 
-from .bordered import eliminate
 from .motion_system import Levels, MotionState, Moving, System
-from .trajectory import Trajectory
+from .trajectory import Trajectory, eliminate
 
 SETTLED = 1e-3
 """Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""

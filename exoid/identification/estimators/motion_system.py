@@ -15,8 +15,7 @@ from exoid.regression.rows import rate_class
 from exoid.torques import Motion, TorqueModel
 from exoid.torques.motion import STEPS
 
-from .bordered import BorderedRows, ReducedSystem, eliminate
-from .trajectory import WIDTH, Trajectory
+from .trajectory import WIDTH, BorderedRows, ReducedSystem, Trajectory, eliminate
 
 PROBES = 6  # random vectors with which traces are estimated
 QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding

@@ -124,7 +124,8 @@ def _loads(leg: Leg) -> list[FloatArray]:
     for link in leg.link_names:
         bodies = np.zeros((5, len(leg.bodies), 10))
         bodies[:, leg.bodies.index(link)] = units
-        found.append(np.array([leg.reduction.parameters(body.ravel()) for body in bodies]))
+        # what is left of an axis that was turned by π/2 is rounding
+        found.append(np.array([leg.reduction.parameters(body.ravel()) for body in bodies]).round(9))
     return found
 
 

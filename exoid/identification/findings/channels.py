@@ -207,13 +207,10 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     size, beside = x - level, [neighbour - level for neighbour in (ends[2:-4], ends[4:-2])]
     odd &= np.minimum(*(size * part for part in beside)) < 0.3 * size**2
     if odd.sum() >= max(4, 0.002 * len(x)):
-        share, lean = float(np.mean(odd)), float(np.mean(np.sign(apart[odd])))
-        message = (
-            f"{share:.1%} of the {channel.noun}s are spikes of {np.median(deviation[odd]):.3g} {channel.unit}"
-            ", nearly all to one side, which looks like an offset"
-            if abs(lean) > 0.5
-            else ""
-        )
+        share, lean = float(np.mean(odd)), abs(float(np.mean(np.sign(apart[odd]))))
+        side = ", nearly all to one side, which looks like an offset" if lean > 0.5 else ""
+        height = f"{np.median(deviation[odd]):.3g} {channel.unit}"
+        message = f"{share:.1%} of the {channel.noun}s are spikes of {height}{side}"
         remedy = "remove them at their source, or identify with the estimator huber"
         yield Finding("spikes", channel.joint, share, "1", "warning", message, remedy)
 

@@ -21,18 +21,17 @@ from exoid.torques.catalog import turning_joints
 
 from .base_motion import gravity_size, out_of_plane_base
 from .channels import channel_findings
-from .efforts import missing_gravity, unsigned_torques
+from .efforts import POOR, missing_gravity, unsigned_torques
 from .evidence import Evidence, torque_shares
-from .kinds import FORMS
 from .physics import CheckedFit, impossible_leg, large_residuals, torque_scale, turned_segment
-from .readings import POOR, gross_findings
+from .readings import gross_findings
 from .repeats import repeated_data
 from .sample import FittedLeg, few_of, gather, segments
 from .score import State, in_half_widths
 from .search import DOUBTFUL_MOVE, find_faults, findings_of
 from .timing import angle_jumps, loop_gaps, missing_samples, stamp_jitter, wraps
 
-OF_TORQUE = "torque-sign", "torque-scale", "torque-delay", "unmodelled-force", "cross-talk", "large-residual"
+OF_TORQUE = "torque", "unmodelled", "cross-talk", "large-residual"  # how kinds of findings of a torque begin
 
 
 class Checkup(NamedTuple):
@@ -66,7 +65,7 @@ def check_fit(fitted: FittedLeg) -> Checkup:
     moving = [part for part, rest in zip(evidence.parts, evidence.at_rest, strict=True) if not rest]
     computed = {joint for one in sample.data if isinstance(one, Recording) for joint in one.computed}
     more = "; its torque was computed: check ratio, constants and attachment points of its drive, and their signs"
-    found = [replace(x, remedy=x.remedy + more * (x.joint in computed and x.kind in OF_TORQUE)) for x in found]
+    found = [replace(x, remedy=x.remedy + more * (x.joint in computed and x.kind.startswith(OF_TORQUE))) for x in found]
     return Checkup(ordered(found), evidence.ranges, spread, moving)
 
 
@@ -102,7 +101,8 @@ def _contradicted(fitted: FittedLeg, evidence: Evidence) -> tuple[FittedLeg, Evi
     found, names = list[Finding](), fitted.model.names
     told = {names.index(name): x for name, x in fitted.told.items() if name in names}
     # friction of another form makes no body another one
-    friction = [k for k, one in enumerate(fitted.library.columns) if one.kind in (*FORMS, "sharpness", "reversals")]
+    forms = "friction", "sharpness", "reversals"
+    friction = [k for k, one in enumerate(fitted.library.columns) if one.kind.startswith(forms)]
     while told:
         # a grossly wrong value would hide in the residuals of a fit that keeps it
         alone = {k: State.of(evidence, (*friction, *fitted.library.free, k - len(names))).alone(k) for k in told}

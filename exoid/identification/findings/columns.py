@@ -19,7 +19,10 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.leg.dynamics import gravity_torque, inverse_dynamics_slopes
 from exoid.leg.leg import Leg
+from exoid.regression.least_squares import TINY
+from exoid.signals.cutoff import white_noise
 from exoid.signals.differentiation import difference
+from exoid.signals.filters.low_pass import slow_part
 from exoid.torques import Coulomb, Motion, TorqueModel
 from exoid.torques.catalog import radians
 
@@ -67,7 +70,8 @@ class NuisanceColumns:
         of_leg = np.tensordot(self.values[: len(self.carried)] + self.carried, columns[: len(self.carried)], axes=1)
         torque = np.tensordot(self.values, columns[: len(self.values)], axes=1)
         torque += 0.0 if motion.payload is None else motion.payload.T
-        at = _Point(self, motion, torque, of_leg)
+        measured = np.zeros_like(torque) if motion.measured is None else motion.measured.T
+        at = _Point(self, motion, torque, of_leg, measured)
         alike: dict[tuple[str, int], list[tuple[FloatArray, int]]] = {}
         for (kind, place, other), of_column in zip(self.columns, out, strict=True):
             alike.setdefault((kind, other), []).append((of_column, place))
@@ -85,6 +89,7 @@ class _Point:
     motion: Motion  # angles, velocities and accelerations
     torque: FloatArray  # predicted torque [N·m], (n, N)
     of_leg: FloatArray  # its rigid-body part [N·m], (n, N)
+    measured: FloatArray  # measured torque, zero where there is none [N·m], (n, N)
 
     @cached_property
     def known(self) -> FloatArray:
@@ -139,6 +144,13 @@ def _earlier(at: _Point, x: FloatArray) -> FloatArray:
     return -difference(x.T, at.of.rate, 1, 4).T
 
 
+def _smoothed(at: _Point, _: int) -> FloatArray:
+    """What a low-pass without delay takes away from a torque; nothing of one whose noise it would have taken, too."""
+    # noise of sensors is 0.1 % or more, and 0.02 % in means of 20 samples
+    smooth = white_noise(at.measured.T) < 1e-4 * np.std(at.measured, axis=1) if at.of.moving else np.zeros(1)
+    return smooth[:, None] * (slow_part(at.torque.T, at.of.rate, 3.0).T - at.torque)
+
+
 def _gravity(at: _Point, _: int) -> list[FloatArray]:
     """Derivatives of the gravity torque by a tilt about each of the two axes that are nearest to horizontal."""
     model, found = at.leg.model.copy(), []
@@ -178,8 +190,7 @@ def _compliance(at: _Point, _: int) -> FloatArray:
 def _ringing(at: _Point, _: int) -> FloatArray:
     """The same near a resonance, J q̈_link + c q̇_link = k (q − q_link), where the residual looks like one."""
     if at.of.moving and not at.of.ringing:
-        assert at.motion.measured is not None
-        at.of.ringing.extend(_frequencies(at.of_leg, at.motion.measured.T - at.torque, at.of.rate).tolist())
+        at.of.ringing.extend(_frequencies(at.of_leg, at.measured - at.torque, at.of.rate).tolist())
     lag = np.zeros_like(at.of_leg)
     for j in np.flatnonzero(at.of.ringing).tolist():
         w, start = 2.0 * np.pi * at.of.ringing[j], at.of_leg[j, 0]
@@ -203,8 +214,7 @@ def _frequencies(torque: FloatArray, residual: FloatArray, rate: float) -> Float
 def _play(at: _Point, _: int) -> FloatArray:
     """Change by 1 rad of play to each side, q_link = q − b sgn τ: the link rests on the side of its load."""
     # The load is what was measured less friction, which is in front of the gear: the model's has the jumps of the angle
-    assert at.motion.measured is not None
-    load = at.motion.measured.T - at.torque + at.of_leg
+    load = at.measured - at.torque + at.of_leg
     load = scipy.ndimage.gaussian_filter1d(load, LOADED * at.of.rate) if at.of.moving else load
     return _behind(at, np.sign(load))
 
@@ -228,10 +238,16 @@ def _ripple(at: _Point, k: int) -> FloatArray:
 COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, FloatArray] | FloatArray]] = {
     "delay": lambda at, _: _earlier(at, at.torque),
     "delays": lambda at, _: [_earlier(at, at.torque)],
-    "drift": lambda at, _: [_earlier(at, at.torque)],  # times the time since the log began, see the rows of a check
+    "delays t": lambda at, _: [_earlier(at, at.torque)],
     "gain": lambda at, _: at.torque,
+    # of rigid bodies: a curve of friction is friction of another form
+    "gain |τ|": lambda at, _: np.abs(at.of_leg),
+    "gain τ²": lambda at, _: at.of_leg**3 / np.maximum(np.mean(at.of_leg**2, axis=1, keepdims=True), TINY),
+    "smoothing": _smoothed,
+    "late angle": lambda at, _: _behind(at, -at.motion.v.T),
     "gains": lambda at, _: [at.torque],
-    "cross-talk": lambda at, other: [at.torque[other]] * len(at.torque),
+    # nobody's sensor sees the torque of a joint that is passive, or that was not measured
+    "cross-talk": lambda at, k: [at.torque[k] * at.measured[k].any()] * len(at.torque),
     "zero": lambda at, _: at.slopes[0],
     "scale": lambda at, _: at.by_joints(*(x.T for x in at.motion[:3])),
     "gravity": _gravity,
@@ -246,6 +262,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     "ripple": _ripple,
     "arm": lambda at, k: {j: arm.shapes(at.motion.q[:, j])[k] * at.torque[j] for j, arm in at.of.arms.items()},
     "constant": lambda at, _: np.ones_like(at.torque),
+    "constant t": lambda at, _: np.ones_like(at.torque),
     "force": lambda at, other: [at.motion.q[:, other]] * len(at.torque),
     "force²": lambda at, _: at.motion.q.T**2,
     "sharpness": lambda at, _: at.sign(sharper=4.0),
@@ -256,11 +273,13 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     # falls off at a quarter of the RMS speed
     "friction Stribeck": lambda at, _: at.sign() * np.exp(-((4.0 * at.motion.v / at.of.speed.clip(1e-6)) ** 2)).T,
     "friction load": lambda at, _: at.sign() * np.abs(at.of_leg),
+    "friction t": lambda at, _: at.torque - at.of_leg,
 }
-"""Nuisance columns by what they are derivatives of: of every place, (N,) of one joint, or (n, N) in `OF_ALL_JOINTS`."""
+"""Nuisance columns by what they are derivatives of: of every place, (N,) of one joint, or (n, N) in `OF_ALL_JOINTS`.
+The rows of a check multiply those that end in t by the time since the log began."""
 
 OF_ALL_JOINTS = (
-    *("delays", "gains", "drift", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),
-    *("compliance", "ringing", "play", "ripple"),
+    *("delays", "gains", "delays t", "zero", "scale", "gravity", "length", "clock", "known", "known delay"),
+    *("compliance", "ringing", "play", "ripple", "late angle"),
 )
 """Columns that act on the torques of all joints."""

@@ -84,6 +84,21 @@ KINDS = {
         most=0.1,
         signs=("after the motion, or its sensor has a low-pass of that time constant", "before the motion"),
     ),
+    "angle-delay": Kind(
+        1e-3,
+        "the angle of {joint} is {milli:.3g} ms behind the other channels, or behind a low-pass of that time constant",
+        "correct its time stamps, and filter all channels alike or none",
+    ),
+    "smoothed-torque": Kind(
+        None,
+        "the torque of {joint} has no noise, and lacks a part of what is faster than 3 Hz: it was smoothed before",
+        "pass the torque as it was measured: exoid filters both sides of the equation alike",
+    ),
+    "torque-curve": Kind(
+        None,
+        "the torque of {joint} has not one scale: it reads {percent:+.2g} % {form}",
+        "calibrate sensor or motor over the whole range, in both directions: large currents saturate a motor",
+    ),
     "two-clocks": Kind(
         1e-4,
         "the clock of the torques runs {percent:.3g} % slow against that of the angles: their delay changes by "
@@ -93,8 +108,7 @@ KINDS = {
     ),
     "torque-scale": Kind(
         5e-3,
-        "{whose} is {x:.3g} times what the other joints' torques ask for; one log cannot tell which of the joints is "
-        "right",
+        "{whose} is {x:.3g} times what the other joints' torques ask for; one log cannot tell which joint is right",
         "calibrate the torque sensors: a known mass on the leg shows which one is wrong",
         most=2.0,
         value=lambda delta: 1.0 + delta,
@@ -174,14 +188,14 @@ KINDS = {
     "change": Kind(
         None,
         "{form} differs by {x:.3g}{of}: one value does not describe all data",
-        "look for what happened then, such as an encoder that slipped, a zero that was set again or a load; leave one "
-        "part out, or give the parts as groups with own parameters",
+        "look for what happened then, such as an encoder that slipped, a zero that was set again, a load, or a brake "
+        "or stand that carried the leg; leave one part out, or give the parts as groups with own parameters",
     ),
     "wrong-load": Kind(
         None,
         "{form}, the segment behind {joint} carries another load than the log says, by {load}",
         "weigh what was added or taken off, measure its place, and state it (payloads=, --payload); an encoder whose "
-        "zero was set again looks alike",
+        "zero was set again looks alike, and so does a brake or a stand that carries the leg for a time",
     ),
     "play": Kind(
         None,
@@ -199,7 +213,7 @@ KINDS = {
         None,
         "{joint} is elastic between its encoder and its link, which the model lacks: {x:.3g} {unit}",
         "subtract torque over stiffness from that angle, or log the angle of the link, too, and give the drive: "
-        "exoid.actuators.SeriesElastic with the stiffness of the spring",
+        "exoid.actuators.SeriesElastic with the stiffness of the spring; a stand that sways looks so, too",
         value=lambda delta: 1.0 / delta,
     ),
     "cross-talk": Kind(
@@ -211,13 +225,22 @@ KINDS = {
 }
 """Kinds of fault, in the units of their findings."""
 
-FORMS = {
-    "friction |v|": ("asymmetric friction", "N·m·s/rad"),
-    "friction v²": ("quadratic friction", "N·m·s²/rad²"),
-    "friction Stribeck": ("Stribeck friction", "N·m"),
-    "friction load": ("friction that grows with the load", "1"),
+OF_ONE_JOINT = {
+    "late angle": ("angle-delay", "s", ""),
+    "scale": ("angle-scale", "1", ""),
+    "smoothing": ("smoothed-torque", "1", ""),
+    "gain |τ|": ("torque-curve", "1", "where positive, and as much less where negative"),
+    "gain τ²": ("torque-curve", "1", "at its RMS size, and ever more beyond"),
+    "constant t": ("change", "N·m/s", "from each second to the next, the zero of the torque"),
+    "friction |v|": ("unmodelled-friction", "N·m·s/rad", "asymmetric friction"),
+    "friction v²": ("unmodelled-friction", "N·m·s²/rad²", "quadratic friction"),
+    "friction Stribeck": ("unmodelled-friction", "N·m", "Stribeck friction"),
+    "friction load": ("unmodelled-friction", "1", "friction that grows with the load"),
+    "friction t": ("unmodelled-friction", "1/s", "friction that changes with time, such as of a gear that warms up,"),
+    "compliance": ("elastic-joint", "N·m/rad", ""),
+    "ringing": ("elastic-joint", "N·m/rad", ""),
 }
-"""Form of friction that each column describes, and its unit."""
+"""Columns that describe a fault of each joint alone: its kind, unit and form."""
 
 
 def without_offset(model: TorqueModel) -> list[int]:
@@ -262,10 +285,9 @@ def library(
         # In a planar leg a tilt of the base changes the torque as the zero of the first angle does.
         turned = ("gravity-direction", "") if planar and j == 0 else ("angle-offset", joint)
         faults.append(Nuisance(*turned, j, "rad", zero))
-        faults.append(Nuisance("angle-scale", joint, j, "1", add("scale", j)))
         always += (*add("sharpness", j), *add("reversals", j))
-        for kind, (form, unit) in FORMS.items():
-            faults.append(Nuisance("unmodelled-friction", joint, j, unit, add(kind, j), form=form))
+        for column, (kind, unit, form) in OF_ONE_JOINT.items():
+            faults.append(Nuisance(kind, joint, j, unit, add(column, j), form=form))
         force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
         faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force))
         if j in unbiased:
@@ -278,7 +300,6 @@ def library(
         for k, often in ((4, "four times"), (8, "eight times")) if turns[j] else ():
             waves = add("ripple", j, 2 * k, 2 * k + 1)
             faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))
-        faults += [Nuisance("elastic-joint", joint, j, "N·m/rad", add(kind, j)) for kind in ("compliance", "ringing")]
         if j in arms:
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, add("arm", j, 0, 1), form=arms[j].what))
     if n > 1:
@@ -287,12 +308,12 @@ def library(
         add("gains", 0)  # of all torques, which one log cannot show; it may differ between logs
     of_known = (("known-torque", "1", "known"), ("wrench-delay", "s", "known delay"))
     faults += [Nuisance(kind, "", -1, unit, add(column, 0)) for kind, unit, column in of_known[: known + sensed]]
-    faults.append(Nuisance("two-clocks", "", -1, "1", add("drift", 0)))
+    faults.append(Nuisance("two-clocks", "", -1, "1", add("delays t", 0)))
     if not planar:
         faults.append(Nuisance("gravity-direction", "", -1, "rad", (*add("gravity", 0), *add("gravity", 1))))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
     in_metres = (one._replace(unit=one.unit.replace("N·m", "N").replace("rad", "m")) for one in faults)
     faults = [one if one.place < 0 or turns[one.place] else slid for one, slid in zip(faults, in_metres, strict=True)]
-    friction = tuple(k for k, column in enumerate(columns) if column.kind in FORMS)
+    friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
     return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales), friction)

@@ -15,14 +15,9 @@ from exoid.estimate.finding import Finding
 from exoid.leg.leg import Leg
 from exoid.torques.catalog import radians, turning_joints
 
+from .efforts import CLEARLY, FITS_BETTER, driven_joints, fit_torques, torque_factors, torque_rows
 from .evidence import Evidence, r_factor
-from .factors import driven_joints, fit_torques, torque_factors, torque_rows
 from .sample import FittedLeg, some_samples
-
-POOR = 0.2  # other readings of the log are worth trying where the model leaves so large a part of a torque
-FITS_BETTER, CLEARLY = 1.6, 1.1
-"""Residuals of two joints are together so many times smaller (geometric mean) in another reading of a log, however many
-joints there are; and in one that is more far-fetched than another."""
 
 STILL = 0.05  # span of a joint that hardly moves [rad]
 

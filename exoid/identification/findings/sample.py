@@ -160,7 +160,7 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     model, values, columns = fitted.model, fitted.values, fitted.library.columns
     rate = one.sample_rate if isinstance(one, Recording) else 1.0
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
-    places = {column.kind: len(model.names) + k for k, column in enumerate(columns)}
+    places = [(column.kind, len(model.names) + k) for k, column in enumerate(columns)]
     carried = payload_parameters(model.leg, one.payloads)  # a fault of the log changes the torque of payloads too
     nuisances = NuisanceColumns(model, columns, values, carried, rate, speed, isinstance(one, Recording), fitted.arms)
     every = replace(model, extras=(nuisances, *others))
@@ -169,7 +169,9 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     states = every.motion(*prepared.motion[:4]).states
     prepared = prepared._replace(motion=prepared.motion._replace(states=states, measured=np.nan_to_num(one.tau)))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
-    rows.W[..., places["drift"]] *= (rows.time - fitted.clock_start(one))[:, None]
-    if "known delay" in places and not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late
-        rows.W[..., places["known delay"]] = 0.0
+    rows.W[..., [k for kind, k in places if kind.endswith(" t")]] *= (rows.time - fitted.clock_start(one))[
+        :, None, None
+    ]
+    if not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late
+        rows.W[..., [k for kind, k in places if kind == "known delay"]] = 0.0
     return rows

@@ -30,6 +30,7 @@ LATE = 0.01
 """Delay of torques as a mistake of recording makes it [s], at least."""
 
 SCALES = ("torque-scale", "angle-scale")
+FORWARD = ("elastic-joint", "play", "angle-delay", "smoothed-torque")  # no link is ahead of its load, nor angle early
 
 
 class Fault(NamedTuple):
@@ -144,8 +145,8 @@ def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
     # Late torques are common: their limit of significance is ten times larger, and their least move half. Each names
     # one to three more of 40 machines of the proving ground, seeds below 60.
-    if score.nuisance.kind in ("elastic-joint", "play") and not 0.0 <= score.delta[0] <= score.nuisance.most:
-        return False  # a link is not ahead of its load
+    if score.nuisance.kind in FORWARD and not 0.0 <= score.delta[0] <= score.nuisance.most:
+        return False
     # a change is the best of those at all times
     ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind in ("change", "wrong-load") else 1.0
     least = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
@@ -181,16 +182,13 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     likely: list[Score] = []
     for score in sorted((one for one in scores if one is not None), key=lambda one: -one.evidence):
         most = max((one.evidence for one in likely), default=-np.inf)
+        if score.nuisance.kind == "two-clocks" and constant > 0.8 * score.evidence:
+            continue  # a motion that becomes faster shows a short delay ever more
         if most > max(1.5 * score.evidence, score.evidence + UNDECIDED) and not (_is_late(score) or _is_scaled(score)):
             continue  # a second test with other noise would not bring it to the best
         fault, once_more = score.nuisance, score.gain > LARGE_GAIN or bool(score.nuisance.beside)
         again = beside.test(fault, beside.fit(fault, also=(fault,), near=state))[0] if once_more else score
         if again is not None and _counts(again, limit) and again.evidence > 0.0:
-            columns, kind = len(beside.evidence.fixed) + np.array(again.nuisance.columns), again.nuisance.kind
-            share = torque_shares(beside.evidence.factors, columns, again.delta[:, None])[0]
-            # Friction that drifts does so, too. A motion that becomes faster shows a short delay ever more.
-            if kind == "two-clocks" and (share < 0.005 or constant > 0.8 * again.evidence):
-                continue
             likely.append(again)
     # straps and cross-talk of many columns imitate a late torque, or one out of scale, which one number explains
     most = max((one.evidence for one in likely), default=0.0)
@@ -313,7 +311,9 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
         doubtful |= acting.any(axis=0) & (score.half > 0.0)
     # An error has to be certain, and worth stopping for: a parameter moves far, and a joint's predicted torque by 5 %.
     # 30 of 32 springs are less probable in noise than 1e-8; other friction is more.
-    severity: Severity = "error" if fault.moves_far and fault.change > 0.05 and score.p_value < 1e-8 else "warning"
+    drifts = score.nuisance.unit.endswith("/s")  # and is right on average
+    certain = fault.change > 0.05 and score.p_value < 1e-8 and not drifts
+    severity: Severity = "error" if fault.moves_far and certain else "warning"
     effect = f"; it changes the predicted torque of a joint by {fault.change:.2g} of its RMS value"
     rivals = (one for one in fault.alternatives if one.nuisance[:2] != score.nuisance[:2])  # kind and joint
     both = [(score, doubtful), *((one, one.moves > DOUBTFUL_MOVE) for one in rivals)]

@@ -70,6 +70,7 @@ FORMS = {
     "quadratic": lambda v, load: v * np.abs(v) / v.std() ** 2,
     "asymmetric": lambda v, load: np.abs(v) / v.std(),
     "Stribeck": lambda v, load: np.tanh(v / 0.02) * np.exp(-((v / 0.2) ** 2)),
+    "changes with time": lambda v, load: np.tanh(v / 0.02) * np.linspace(0.0, 4.0, len(v)),
     "load": lambda v, load: np.tanh(v / 0.02) * np.abs(load) / load.std(),
 }
 

@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+import one_joint
 import pytest
 from loaded_legs import with_payloads
 from logs import clean, kinds, of_kind, with_column
@@ -62,6 +63,18 @@ def test_a_payload_that_is_not_given_is_another_load_of_its_segment():
     off = dataclasses.replace(other, payloads=(exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.15)),))
     found = of_kind(exoid.check(leg, [log, off]), "wrong-load")  # 5 cm off its place
     assert (found.joint, found.value) == (leg.joint_names[1], pytest.approx(0.05, rel=0.1))
+
+
+def test_a_load_has_no_moment_along_a_turned_axis(tmp_path):
+    """Rounding of a turn by π/2 made one of 4e11 kg·m."""
+    turned = one_joint.URDF.replace('"0 1 0"/>', '"0 0 1"/><origin rpy="-1.5707963267948966 0 0"/>')
+    turned = turned.replace("0 0 -0.2", "0 0.2 0.01")
+    (tmp_path / "turned.urdf").write_text(turned, encoding="utf-8")
+    leg = exoid.Leg.from_urdf(tmp_path / "turned.urdf")
+    loaded = with_payloads(leg, [exoid.Payload("hip", 1.0, (0.0, 0.2, 0.1))])
+    swings = [Swing(one, seconds=30.0, seed=k, smoothing=0.015) for k, one in enumerate((leg, loaded))]
+    found = of_kind(exoid.check(leg, [one.recording(v=None, a=None) for one in swings]), "wrong-load")
+    assert found.value == pytest.approx(0.2, rel=0.1)
 
 
 def test_a_payload_before_its_place_may_be_another_zero():
