@@ -29,11 +29,8 @@ def test_slopes_are_finite_differences_of_inverse_dynamics(place):
 def ten_times_faster(log):
     """The same log at ten times its rate."""
     time = np.linspace(log.time[0], log.time[-1], 10 * (len(log) - 1) + 1)
-
-    def between(x):
-        return np.stack([np.interp(time, log.time, column) for column in x.T], axis=1)
-
-    return dataclasses.replace(log, time=time, q=between(log.q), tau=between(log.tau))
+    q, tau = (np.stack([np.interp(time, log.time, x) for x in every.T], axis=1) for every in (log.q, log.tau))
+    return dataclasses.replace(log, time=time, q=q, tau=tau)
 
 
 def test_a_delay_of_a_fast_log_is_found_to_a_millisecond():
