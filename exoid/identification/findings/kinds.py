@@ -95,7 +95,7 @@ KINDS = {
         "pass the torque as it was measured: exoid filters both sides of the equation alike",
     ),
     "torque-curve": Kind(
-        None,
+        5e-3,
         "the torque of {joint} has not one scale: it reads {percent:+.2g} % {form}",
         "calibrate sensor or motor over the whole range, in both directions: large currents saturate a motor",
     ),
@@ -315,5 +315,5 @@ def library(
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
     in_metres = (one._replace(unit=one.unit.replace("N·m", "N").replace("rad", "m")) for one in faults)
     faults = [one if one.place < 0 or turns[one.place] else slid for one, slid in zip(faults, in_metres, strict=True)]
-    friction = tuple(k for k, column in enumerate(columns) if column.kind.startswith("friction"))
+    friction = tuple(k for k, one in enumerate(columns) if one.kind.startswith("friction") and one.kind[-2:] != " t")
     return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales), friction)
