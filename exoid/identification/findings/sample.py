@@ -169,9 +169,8 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     states = every.motion(*prepared.motion[:4]).states
     prepared = prepared._replace(motion=prepared.motion._replace(states=states, measured=np.nan_to_num(one.tau)))
     rows = chain([form_rows(every, prepared, stretch) for stretch in prepared.stretches()])
-    rows.W[..., [k for kind, k in places if kind.endswith(" t")]] *= (rows.time - fitted.clock_start(one))[
-        :, None, None
-    ]
+    since = rows.time - fitted.clock_start(one)
+    rows.W[..., [k for kind, k in places if kind.endswith(" t")]] *= since[:, None, None]
     if not getattr(one, "wrenches", {}):  # a payload has no sensor that could be late
         rows.W[..., [k for kind, k in places if kind == "known delay"]] = 0.0
     return rows
