@@ -95,7 +95,8 @@ def _named(settings: Settings, state: State, verdict: Verdict) -> State:
     what, values = (one.kind, one.joint, one.parameters, verdict.ratio, verdict.size), tuple(detector.values.tolist())
     change = Change(state.samples, state.samples / settings.rate, *what, values)
     earlier = state.changes[: len(state.changes) - (detector.named >= 0)]
-    return state._replace(detector=detector._replace(named=verdict.best), changes=(*earlier, change)[-100:])
+    kept = (*earlier, change)[-100:]  # so that the state of a stream of weeks does not grow
+    return state._replace(detector=detector._replace(named=verdict.best), changes=kept)
 
 
 def _settle(state: State) -> State:

@@ -30,7 +30,8 @@ def hypotheses_of(model: TorqueModel) -> tuple[Hypothesis, ...]:
     leg, names, n = model.leg, model.names, len(model.leg.joint_names)
     found: dict[tuple[str, str], list[str]] = {}
     for block in model.blocks:
-        kind = "friction" if block.term.friction else type(block.term).__name__.lower().replace("armature", "inertia")
+        of_term = type(block.term).__name__.lower()
+        kind = "friction" if block.term.friction else {"armature": "inertia"}.get(of_term, of_term)
         kept = [name for name in block.names if name in names]
         if kept:
             found.setdefault((kind, leg.joint_names[block.joints[0]]), []).extend(kept)

@@ -64,5 +64,5 @@ def load_change(before: Estimate, after: Estimate, joint: str, position: tuple[f
         raise NotIdentifiableError(f"a load at {joint} leaves no trace there", remedy="strap it elsewhere")
     mass = float(column @ precision @ change) / information
     left = change - mass * column
-    misfit = float(np.sqrt(left @ precision @ left / max(count - 1.0, 1.0)))
+    misfit = float(np.sqrt(max(float(left @ precision @ left), 0.0) / max(count - 1.0, 1.0)))  # rounding leaves −1e-20
     return LoadChange(joint, mass, max(1.0, misfit) / float(np.sqrt(information)), misfit)
