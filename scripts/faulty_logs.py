@@ -180,9 +180,9 @@ def tilted(log: Log, degrees: float, _: np.random.Generator) -> Log:
         return changed(log, q=q)
     model, angle_ = log.leg.model.copy(), np.deg2rad(degrees)
     model.gravity.linear = 9.81 * np.array([np.sin(angle_), 0.0, -np.cos(angle_)])
-    one = log.recordings[0]
-    upright = exoid.leg.dynamics.gravity_torque(log.leg.model, one.q)
-    return changed(log, tau=one.tau + exoid.leg.dynamics.gravity_torque(model, one.q) - upright)
+    q = log.recordings[0].q
+    turned = exoid.leg.dynamics.inverse_dynamics(model, q, 0.0 * q, 0.0 * q)
+    return changed(log, tau=log.recordings[0].tau + turned - log.leg.gravity(q))
 
 
 def longer(log: Log, part: float, _: np.random.Generator) -> Log:

@@ -64,21 +64,16 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
         share = np.array([np.count_nonzero(x == common) / len(tau) for x, common in zip(tau.T, middle, strict=True)])
         torques = Torques(middle, share, ~np.isnan(tau[0]), passive, computed)
     angles, power = (q.min(axis=1), q.max(axis=1), q.mean(axis=1)), acceleration_power(chosen) if for_cutoff else None
-    turning = _base_turning(model, chosen) if isinstance(chosen, Recording) and chosen.base is not None else 0.0
+    turning = 0.0
+    if isinstance(chosen, Recording) and chosen.base is not None:
+        # rates of base and first joint, without their means; that of an unmoved joint counts as tiny
+        omega = chosen.base.angular_velocity
+        omega = omega @ model.leg.plane.lateral[:, np.newaxis] if model.leg.limbs else omega
+        velocity = max(float(np.std(np.gradient(chosen.q[:, 0], chosen.time))), np.finfo(float).tiny)
+        turning = float(np.sqrt(np.sum(np.var(omega, axis=0)))) / velocity
     wrenches = chosen.wrenches.values() if isinstance(chosen, Recording) else ()
     stood, pulled = stands(model.leg, chosen), any(one.force.any() or one.moment.any() for one in wrenches)
     return RecordingSummary(evidence(data), data.file_name, *angles, torques, power, turning, stood, pulled)
-
-
-def _base_turning(model: TorqueModel, recording: Recording) -> float:
-    """Compare rates of base and first joint, without their means; that of an unmoved joint counts as tiny."""
-    assert recording.base is not None
-    omega = recording.base.angular_velocity
-    if model.leg.limbs:
-        omega = omega @ model.leg.plane.lateral[:, np.newaxis]
-    velocity = np.gradient(recording.q[:, 0], recording.time)
-    turning = float(np.sqrt(np.sum(np.var(omega, axis=0))))
-    return turning / max(float(np.std(velocity)), np.finfo(float).tiny)
 
 
 def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary], known: Sequence[str] = ()) -> None:

@@ -46,13 +46,12 @@ def inverse_dynamics_on_base(
 
 def inverse_dynamics_slopes(model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
     """Compute the derivatives of joint torques by angles, velocities and accelerations, (3, N, n, n)."""
-    data = model.createData()
-    slopes = np.empty((3, len(v), model.nv, model.nv))
-    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
-        slopes[0, i], slopes[1, i], slopes[2, i] = pin.computeRNEADerivatives(model, data, *row)
-    upper = np.triu(slopes[2])  # Pinocchio fills the upper half
-    slopes[2] = upper + np.triu(upper, 1).transpose(0, 2, 1)
-    return slopes
+    data, slopes = model.createData(), np.empty((len(v), 3, model.nv, model.nv))
+    for out, *row in zip(slopes, configuration(model, q), v, a, strict=True):
+        out[:] = pin.computeRNEADerivatives(model, data, *row)
+    upper = np.triu(slopes[:, 2])  # Pinocchio fills the upper half
+    slopes[:, 2] = upper + np.triu(upper, 1).transpose(0, 2, 1)
+    return np.asarray(slopes.swapaxes(0, 1))
 
 
 def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
@@ -63,11 +62,12 @@ def mass_matrix(model: pin.Model, q: FloatArray) -> FloatArray:
     return np.asarray(upper + np.swapaxes(np.triu(upper, 1), 1, 2))
 
 
-def gravity_torque(model: pin.Model, q: FloatArray) -> FloatArray:
-    """Compute the gravity torque G(q)."""
-    data = model.createData()
-    torques = [pin.computeGeneralizedGravity(model, data, row).copy() for row in configuration(model, q)]
-    return np.array(torques).reshape(len(q), model.nv)
+def gravity_slopes(model: pin.Model, q: FloatArray) -> FloatArray:
+    """Compute the derivatives of the gravity torque −m (∂c/∂q)ᵀ g, with c the centre of mass, by g, (3, N, n)."""
+    data, slopes = model.createData(), np.empty((len(q), 3, model.nv))
+    for out, row in zip(slopes, configuration(model, q), strict=True):
+        out[:] = pin.jacobianCenterOfMass(model, data, row, False).reshape(3, -1)  # one joint has (3,)
+    return np.asarray(-pin.computeTotalMass(model) * slopes.swapaxes(0, 1))
 
 
 class JointFrames(NamedTuple):

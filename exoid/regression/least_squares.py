@@ -144,13 +144,13 @@ def scaled_lstsq(A: FloatArray, b: FloatArray) -> FloatArray:
 def scaled_pinv(A: FloatArray) -> FloatArray:
     """Solve as :func:`scaled_lstsq` for any right-hand side."""
     scale = column_scale(A)
-    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) / scale[:, None])
+    return np.asarray(np.linalg.pinv(A / scale, rcond=RANK) * (A.any(axis=0) / scale)[:, None])  # no row of rounding
 
 
 def scaled_inverse(M: FloatArray) -> FloatArray:
-    """Pseudo-inverse of normal equations or a covariance, scaled to a diagonal of 1 (RANK_OF_SQUARES)."""
-    scale = np.sqrt(np.clip(np.diag(M), 0.0, None))
-    both = np.multiply.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
+    """Pseudo-inverse of normal equations or a covariance, or of many, scaled to a diagonal of 1 (RANK_OF_SQUARES)."""
+    scale = np.sqrt(np.clip(np.diagonal(M, axis1=-2, axis2=-1), 0.0, None))
+    both = np.einsum("...i,...j->...ij", *[np.where(scale > 0.0, scale, 1.0)] * 2)
     return np.asarray(np.linalg.pinv(M / both, rcond=RANK_OF_SQUARES, hermitian=True) / both)
 
 

@@ -55,7 +55,7 @@ def test_every_function_is_that_of_pinocchio_and_the_estimate(case):
     for found, expected in (
         (c("inverse_dynamics", q, v, a), estimate.torque(q, v, a)),
         (c("rigid_bodies", q, v, a), dynamics.inverse_dynamics(model, q, v, a)),
-        (c("gravity", q), dynamics.gravity_torque(model, q)),
+        (c("gravity", q), dynamics.inverse_dynamics(model, q, still, still)),
         (M, dynamics.mass_matrix(model, q) + rotors),
         (parts, estimate.torque(q, still, a)),
     ):

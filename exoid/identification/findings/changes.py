@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.leg.leg import Leg
@@ -82,66 +83,64 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
     # what carries the scale of all, a payload or a measured wrench, is in few logs: there a small one moves all far
     carries = any(one.kind == "known" for one in nuisances)
     offsets = {name for block in model.blocks if isinstance(block.term, Offset) for name in block.names}
-    tested, loads = [*free, *zeros, *gains], _loads(model.leg)
-    blocks, grams = _grams(state, [*state.columns.tolist(), *tested, *range(rigid), -1])
-    own, one, rss = slice(fitted, -1), slice(len(tested)), max(float(state.residual @ state.residual), TINY)
-    residual = grams[:, own, -1] - grams[:, own, :fitted] @ state.solution  # Zᵀr of each block
-    of_one, of_load = list[tuple[float, Change]](), list[tuple[float, Change]]()
-    for place, first, last in _places(state.evidence, blocks):
-        inside, score = grams[first:last].sum(axis=0), residual[first:last].sum(axis=0)
-        # z is the column of a number inside, and zero outside; of ZᵀZ the fitted columns explain a share
-        share, whole = state.pinv @ state.pinv.T @ inside[:fitted, own], inside[own, own]
-        information = whole - inside[own, :fitted] @ share
-        shown = np.diag(information)[one] > 0.01 * np.diag(whole)[one]
-        gain = shown * score[one] ** 2 / np.maximum(np.diag(information)[one], TINY) / rss
-        least = np.where(np.isin(tested, gains) & (carries and not place.within), 0.0, 0.1)
-        for k in np.flatnonzero(shown & (gain > least)).tolist():
-            of_one.append((gain[k], place._replace(columns=(tested[k],), mix=((1.0,),))))
-        for joint, mix in enumerate(loads):
-            every = np.pad(mix, ((0, 0), (len(tested), 0)))
-            size, acts = np.zeros(len(every)), np.diag(every @ whole @ every.T) > 0.0
-            seen = every[acts]
-            damped = seen @ information @ seen.T + 0.01 * np.diag(np.diag(seen @ whole @ seen.T))
-            size[acts] = scaled_inverse(damped) @ seen @ score
-            explained = float(score @ every.T @ size) / rss
-            # a load within 2 m of its joint has no larger inertia [kg·m²] beside its mass moment [kg·m]
-            if explained > 0.1 and abs(size[4]) < 2.0 * np.linalg.norm(size[1:4]):
-                evidence = -0.5 * state.dof * np.log1p(-min(explained, 1.0 - 1e-12)) - len(seen) * np.log(state.dof)
-                load = place._replace(columns=tuple(range(rigid)), mix=tuple(map(tuple, mix.tolist())), joint=joint)
-                of_load.append((float(evidence), load))
-    for found in (of_one, of_load):
-        best = max(found, key=lambda one: one[0])[1] if found else None
-        if best is None or (best.within and best.columns[0] in free and model.names[best.columns[0]] not in offsets):
-            continue
-        yield best._replace(mix=((-1.0,),)) if best.columns[0] in zeros else best  # what an angle reads too much
+    tested, loads = np.array([*free, *zeros, *gains], dtype=np.intp), _loads(model.leg)
+    blocks, products = _products(state, tested, loads.reshape(-1, rigid))
+    places = list(_places(state.evidence, blocks))
+    # z is the column of a number inside a place, and zero outside; of ZᵀZ the fitted columns explain a share
+    within = [[float(first <= k < last) for k in range(len(blocks))] for _, first, last in places]
+    inside = np.tensordot(np.reshape(within, (-1, len(blocks))), products, axes=1)
+    cross, whole, score = inside[:, :fitted, :-1], inside[:, fitted:-1, :-1], inside[:, fitted:-1, -1]
+    information = whole - cross.transpose(0, 2, 1) @ (state.pinv @ state.pinv.T @ cross)
+    rss, best = max(float(state.residual @ state.residual), TINY), list[Change]()
+    sizes, left = (np.diagonal(x, axis1=1, axis2=2)[:, : len(tested)] for x in (whole, information))
+    gain = score[:, : len(tested)] ** 2 / np.maximum(left, TINY) / rss
+    apart = np.array([carries and not place.within for place, *_ in places], dtype=np.bool_)
+    least = np.where(np.isin(tested, gains) & apart[:, None], 0.0, 0.1)
+    gain = np.where((left > 0.01 * sizes) & (gain > least), gain, 0.0)
+    if gain.any():
+        place, k = np.unravel_index(gain.argmax(), gain.shape)
+        best.append(places[place][0]._replace(columns=(int(tested[k]),), mix=((1.0,),)))
+    of_load = len(tested) + np.arange(loads.shape[0] * loads.shape[1]).reshape(loads.shape[:2])
+    own = np.s_[:, of_load[:, :, None], of_load[:, None]]
+    sizes, score = whole[own] * np.eye(loads.shape[1]), score[:, of_load]
+    size = (scaled_inverse(information[own] + 0.01 * sizes) @ score[..., None])[..., 0]
+    explained, count_of = (score * size).sum(axis=-1) / rss, np.count_nonzero(sizes, axis=(-2, -1))
+    # a load within 2 m of its joint has no larger inertia [kg·m²] beside its mass moment [kg·m]
+    possible = (explained > 0.1) & (np.abs(size[..., 4]) < 2.0 * np.linalg.norm(size[..., 1:4], axis=-1))
+    gain = -0.5 * state.dof * np.log1p(-np.minimum(explained, 1.0 - 1e-12)) - count_of * np.log(state.dof)
+    if possible.any():
+        place, joint = np.unravel_index(np.where(possible, gain, -np.inf).argmax(), gain.shape)
+        mix = tuple(map(tuple, loads[joint].tolist()))
+        best.append(places[place][0]._replace(columns=tuple(range(rigid)), mix=mix, joint=int(joint)))
+    for one in best:
+        if not one.within or one.columns[0] not in free or model.names[one.columns[0]] in offsets:
+            yield one._replace(mix=((-1.0,),)) if one.columns[0] in zeros else one  # what an angle reads too much
 
 
-def _loads(leg: Leg) -> list[FloatArray]:
-    """Parameters by the mass of a load on each segment, its first moments, and one second moment about all axes."""
+def _loads(leg: Leg) -> FloatArray:
+    """Parameters by the mass of a load on each of n segments, its moments, and inertia about all axes, (n, 5, p)."""
     units = np.zeros((5, 10))
     units[range(4), range(4)] = units[4, [4, 6, 9]] = 1.0
-    found = []
-    for link in leg.link_names:
-        bodies = np.zeros((5, len(leg.bodies), 10))
-        bodies[:, leg.bodies.index(link)] = units
-        # what is left of an axis that was turned by π/2 is rounding
-        found.append(np.array([leg.reduction.parameters(body.ravel()) for body in bodies]).round(9))
-    return found
+    K = leg.reduction.collect.reshape(-1, len(leg.bodies), 10)  # what is left of an axis turned by π/2 is rounding
+    return np.array([units @ K[:, leg.bodies.index(link)].T for link in leg.link_names]).round(9)
 
 
-def _grams(state: State, columns: Sequence[int]) -> tuple[list[tuple[int, int]], FloatArray]:
-    """Begin of each block, part and row, and products of some of its columns."""
-    evidence = state.evidence
+def _products(state: State, tested: NDArray[np.intp], loads: FloatArray) -> tuple[list[tuple[int, int]], FloatArray]:
+    """Begin of each block, part and row, and [X Z r]ᵀ [Z r] of fitted columns X, tested numbers and loads Z, rest r."""
+    evidence, blocks, products = state.evidence, list[tuple[int, int]](), []
     size = max(8, -(-sum(len(part.time) for part in evidence.parts) // BLOCKS))
-    blocks, grams = [], []
     for place, (part, rest) in enumerate(zip(evidence.parts, evidence.at_rest, strict=True)):
+        several = []
+        for weight, tables in zip(state.weights, evidence.tables, strict=True):
+            table, X = tables[place], tables[place][state.columns]
+            Z = table[tested], loads @ table[: loads.shape[1]]
+            several.append(weight * np.vstack([X, *Z, table[-1] - state.solution @ X]))
         starts = np.linspace(0, len(part.time), 1 if rest else max(1, round(len(part.time) / size)), endpoint=False)
-        several = [w * of_joint[place][columns] for w, of_joint in zip(state.weights, evidence.tables, strict=True)]
         for start, stop in pairwise([*starts.astype(np.intp).tolist(), len(part.time)]):
             blocks.append((place, start))
-            rows = np.hstack([table[:, start:stop] for table in several])
-            grams.append(rows @ rows.T)
-    return blocks, np.array(grams)
+            pieces = (rows[:, start:stop] for rows in several)
+            products.append(sum(piece @ piece[len(state.columns) :].T for piece in pieces))
+    return blocks, np.array(products)
 
 
 def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[tuple[Change, int, int]]:

@@ -19,12 +19,6 @@ from exoid.signals.quantities import UNITS
 FROZEN_TORQUE = 0.15  # shortest time for which a torque that moves has to stand still to count as frozen [s]
 
 
-def runs_of(x: FloatArray, tolerance: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Find runs of consecutive samples with the same value: indices of their first samples, and lengths, (R,) each."""
-    start = np.append(0, np.flatnonzero(np.abs(np.diff(x)) > tolerance) + 1).astype(np.intp)
-    return start, np.diff(np.append(start, len(x)))
-
-
 @dataclass(frozen=True, eq=False)
 class Channel:
     """One quantity of one joint."""
@@ -42,12 +36,17 @@ class Channel:
         """Absolute change from sample to sample, (N − 1,)."""
         return np.asarray(np.abs(np.diff(self.x)))
 
+    def runs(self, tolerance: float = 0.0) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Runs of consecutive samples with the same value: indices of their first samples, and lengths, (R,) each."""
+        start = np.append(0, np.flatnonzero(self.steps > tolerance) + 1)
+        return start, np.diff(start, append=len(self.x))
+
     def long_runs(self, shortest: float) -> list[tuple[int, int]]:
         """Runs that last for a time [s], and 8 times longer than 99 % of the others; frozen ones are among these."""
         least = max(10.0, shortest * self.rate)
-        start, length = runs_of(self.x)
+        start, length = self.runs()
         others = length[length < least]
-        usual = float(np.quantile(others, 0.99)) if len(others) else 1.0
+        usual = float(np.quantile(others, 0.99)) if 0 < len(others) < len(length) else 1.0
         long = (length >= least) & (length >= 8.0 * usual)
         return list(zip(start[long].tolist(), (start + length)[long].tolist(), strict=True))
 
@@ -79,14 +78,17 @@ def saturation(channel: Channel) -> Iterator[Finding]:
     # A peak of a quantised signal also stays at one value, but the signal comes there in steps of one quantum.
     # A clipped signal arrives at full slope.
     x, tolerance = channel.x, 1e-9 * float(np.ptp(channel.x))
-    start, length = runs_of(x, tolerance)
-    value, usual, step = x[start], float(np.median(length)), quantum(x)
+    start, length = channel.runs(tolerance)
+    value = x[start]
     for rail in (float(x.max()), float(x.min())):
         at_rail = np.abs(value - rail) <= tolerance
         count = int(length[at_rail].sum())
+        if count < max(5, 0.002 * len(x)):
+            continue
+        usual, step = float(np.median(length)), quantum(x)
         places = np.flatnonzero(at_rail & (length >= max(2, 1.5 * usual)))
         inner = places[(places > 0) & (places < len(start) - 1)]
-        if count < max(5, 0.002 * len(x), 3.0 * usual) or not len(inner):
+        if count < 3.0 * usual or not len(inner):
             continue
         entry = np.abs(value[inner] - value[inner - 1])
         leave = np.abs(value[inner + 1] - value[inner])
@@ -153,16 +155,17 @@ def _frozen(channel: Channel, runs: Sequence[tuple[int, int]]) -> Iterator[Findi
 def repeated_values(channel: Channel) -> Iterator[Finding]:
     """Find torques and angles that repeat the sample before, as those of a slower bus do."""
     steps, x = channel.steps, channel.x
-    moved, smallest = steps[steps > 0.0], quantum(x)
+    moved, repeated = steps[steps > 0.0], float(np.mean(steps == 0.0))
+    smallest = quantum(x) if repeated >= 0.01 else 0.0  # no smaller share counts
     # steps of no quantum come by chance as often as those of one, up or down
     least = max(0.01, 1.5 * float(np.mean((steps > 0.0) & (steps < 1.5 * smallest))))
-    if np.mean(steps == 0.0) < least or len(moved) < 5:
+    if repeated < least or len(moved) < 5:
         return
     counts, share_of = ~np.isin(x[1:], (x.max(), x.min())), 1.0  # not at a rail
     for run in channel.long_runs(FROZEN_TORQUE):
         counts[slice(*run)] = False
     if channel.noun == "angle":  # a joint comes to rest, and turns round, by small steps
-        start, length = runs_of(x)
+        start, length = channel.runs()
         ends, large = np.concatenate([[0.0], steps[start[1:] - 1], [0.0]]), 0.5 * float(np.median(moved))
         counts &= np.repeat(np.minimum(ends[1:], ends[:-1]) > max(3.5 * smallest, large), length)[1:]
         share_of = float(np.mean(counts))
@@ -187,8 +190,10 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     middle = scipy.ndimage.median_filter(x, 5, mode="constant")
     apart, least = x - middle, 0.4 * float(np.std(middle))
     deviation = np.abs(apart)
-    odd: NDArray[np.bool_] = deviation > max(12.0 * robust_std(apart - np.median(apart)), least)
+    odd: NDArray[np.bool_] = deviation > least
     odd[:2] = odd[-2:] = False
+    if odd.any():
+        odd &= deviation > 12.0 * robust_std(apart - np.median(apart))
     if not odd.any():
         return
     odd &= deviation > 12.0 * quantum(x)

@@ -17,7 +17,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.leg.dynamics import gravity_torque, inverse_dynamics_slopes
+from exoid.leg.dynamics import gravity_slopes, inverse_dynamics_slopes
 from exoid.leg.leg import Leg
 from exoid.regression.least_squares import TINY
 from exoid.signals.cutoff import white_noise
@@ -153,12 +153,10 @@ def _smoothed(at: _Point, _: int) -> FloatArray:
 
 def _gravity(at: _Point, _: int) -> list[FloatArray]:
     """Derivatives of the gravity torque by a tilt about each of the two axes that are nearest to horizontal."""
-    model, found = at.leg.model.copy(), []
-    gravity, tree = np.array(model.gravity.linear), at.leg.tree_motion(at.motion.q)
-    for axis in np.delete(np.eye(3), np.argmax(np.abs(gravity)), axis=0):
-        model.gravity.linear = np.cross(axis, gravity)
-        found.append(tree.project(gravity_torque(model, tree.q)).T)
-    return found
+    model, tree = at.leg.model, at.leg.tree_motion(at.motion.q)
+    gravity, slopes = model.gravity.linear, tree.project(gravity_slopes(model, tree.q))
+    axes = np.delete(np.eye(3), np.argmax(np.abs(gravity)), axis=0)
+    return [np.tensordot(np.cross(axis, gravity), slopes, axes=1).T for axis in axes]
 
 
 def _length(at: _Point, _: int) -> list[FloatArray]:
@@ -193,8 +191,10 @@ def _ringing(at: _Point, _: int) -> FloatArray:
         at.of.ringing.extend(_frequencies(at.of_leg, at.measured - at.torque, at.of.rate).tolist())
     lag = np.zeros_like(at.of_leg)
     for j in np.flatnonzero(at.of.ringing).tolist():
-        w, start = 2.0 * np.pi * at.of.ringing[j], at.of_leg[j, 0]
-        b, a = scipy.signal.bilinear([w**2], [1.0, 2.0 * DAMPING * w, w**2], at.of.rate)
+        # bilinear transform of w² / (s² + 2 D w s + w²), with k = w / (2 rate)
+        k, start = np.pi * at.of.ringing[j] / at.of.rate, at.of_leg[j, 0]
+        b = k**2 * np.array([1.0, 2.0, 1.0])
+        a = b + np.array([1.0 + 2.0 * DAMPING * k, -2.0, 1.0 - 2.0 * DAMPING * k])
         lag[j] = start + scipy.signal.lfilter(b, a, at.of_leg[j] - start)  # what is constant passes unchanged
     return _behind(at, lag)
 

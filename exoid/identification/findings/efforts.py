@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.estimate.finding import Finding
+from exoid.identification.group_rows import Data
 from exoid.regression.least_squares import column_scale, scaled_lstsq
-from exoid.regression.rows import form_rows, prepare
-from exoid.signals import Poses, Recording
+from exoid.regression.rows import decimated, form_rows, prepare
+from exoid.signals import Recording
 from exoid.torques import Motion
 
 from .evidence import Evidence, r_factor
@@ -24,13 +25,17 @@ FITS_BETTER, CLEARLY = 1.6, 1.1
 joints there are; and in one that is more far-fetched than another."""
 
 
-def torque_factors(fitted: FittedLeg, data: Iterable[Recording | Poses], *, weights: bool = False) -> list[FloatArray]:
+def torque_factors(fitted: FittedLeg, data: Data, *, weights: bool = False, few: bool = False) -> list[FloatArray]:
     """R factors of rows [W τ₁ … τₙ], or [W G τ₁ … τₙ] with G that of gravity, n of (M, P + n) or (M, P + p + n)."""
     model, rigid = fitted.model, len(fitted.model.leg.parameter_names)
     tables: list[list[FloatArray]] = [[] for _ in model.leg.joint_names]
     for one in data:
         # torques may be another joint's, with other reversals: none is taken out
         prepared = prepare(model, one, fitted.preparation, stops=False)
+        if few:
+            prepared = decimated(prepared)
+            part = prepared.rows[: max(250, len(prepared.rows) // 4)]
+            prepared = prepared._replace(rows=part) if prepared.usable[part].any() else prepared
         at_rest = None
         if weights:
             assert isinstance(prepared.motion, Motion)

@@ -50,8 +50,7 @@ class Evidence(NamedTuple):
 
     def reduced(self, R: FloatArray, columns: NDArray[np.intp]) -> FloatArray:
         """Some columns of an R factor, and its torque less that of the known parameters."""
-        known = R[:, : len(self.fixed)] @ np.nan_to_num(self.fixed)
-        return np.column_stack([R[:, columns], R[:, -1] - known])
+        return np.column_stack([R[:, columns], R[:, -1] - R[:, : len(self.fixed)] @ np.nan_to_num(self.fixed)])
 
     def weights(self, columns: NDArray[np.intp], start: FloatArray | None = None) -> FloatArray:
         """Weigh the joints by the residuals of a fit of some columns."""

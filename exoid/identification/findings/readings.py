@@ -101,7 +101,7 @@ def gross_findings(fitted: FittedLeg, evidence: Evidence, *, angles: bool) -> tu
     trial = fitted._replace(data=some_samples(fitted.model, fitted.data, 12_000))  # gross faults show in few
     try:
         formed = (r_factor(torque_rows(evidence, j)) for j in range(len(evidence.factors)))
-        as_logged = torque_factors(trial, trial.data) if angles else list(formed)
+        as_logged = torque_factors(trial, trial.data) if angles else [*formed]
         left, _ = fit_torques(trial, as_logged)
         best, least = _best_reading(trial, as_logged, float(left.mean()), angles=angles)
     except (ExoidError, np.linalg.LinAlgError):
@@ -125,8 +125,8 @@ def _best_reading(
     still = {name for name, span in zip(names, spans, strict=True) if span < STILL}
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
     logged = kinematics = plain.angles, plain.angle_order
-    factors = as_logged
-    first = fit_torques(fitted, as_logged, rounds=1)[0].mean()
+    few = torque_factors(fitted, fitted.data, few=True) if angles else as_logged
+    first, of_few = (fit_torques(fitted, each, rounds=1)[0].mean() for each in (as_logged, few))
     for reading in others:
         joints = set(reading.joint.split(", "))
         moved = {joint for joint, (j, k) in zip(names, enumerate(reading.torque_order), strict=True) if j != k}
@@ -136,14 +136,18 @@ def _best_reading(
             continue  # so little a motion in degrees identifies nothing
         if not angles and (reading.angles, reading.angle_order) != logged:
             continue
-        if (reading.angles, reading.angle_order) != kinematics:  # rows of the reading before may be the same
-            kinematics = reading.angles, reading.angle_order
+        before, kinematics = kinematics, (reading.angles, reading.angle_order)
+        if kinematics == logged:
+            few, factors, most = as_logged, as_logged, first
+        elif kinematics != before:  # rows of the reading before may be the same
             order, signs = list(reading.angle_order), np.array(reading.angles)
             pairs = [(one, {name: getattr(one, name, None) for name in ("q", "v", "a")}) for one in fitted.data]
             read = ((one, {name: x[:, order] * signs for name, x in of.items() if x is not None}) for one, of in pairs)
-            factors = torque_factors(fitted, [replace(one, **changed) for one, changed in read])
-        if fit_torques(fitted, factors, reading.torque_order, reading.torques, rounds=1)[0].mean() > first:
-            continue  # weights by its own residuals would not bring it so far
+            data = [replace(one, **changed) for one, changed in read]
+            few, factors, most = torque_factors(fitted, data, few=True), [], of_few + share * np.log(FITS_BETTER)
+        if fit_torques(fitted, few, reading.torque_order, reading.torques, rounds=1)[0].mean() > most:
+            continue  # other weights, or the rest of the log, would not bring it so far
+        factors = factors or torque_factors(fitted, data)
         left, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
         if reading.kind == "torque-scale" and left.max() > np.log(0.5):
             continue  # a torque that hardly weighs lets the others contradict it

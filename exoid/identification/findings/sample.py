@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from types import MappingProxyType
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exoid._typing import BoolArray, FloatArray
+from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate.evidence import MotionRanges
 from exoid.estimate.model_error import COUNT, AlternativeFriction
@@ -44,8 +44,7 @@ class FittedLeg(NamedTuple):
     @property
     def library(self) -> Library:
         """Faults that are tested, and their columns."""
-        recordings = [one for one in self.data if isinstance(one, Recording)]
-        sensed = any(one.wrenches for one in recordings)
+        sensed = any(isinstance(one, Recording) and one.wrenches for one in self.data)
         known, free = sensed or any(one.payloads for one in self.data), self.constants.values()
         return library(self.model, self.arms, free, known=known, sensed=sensed)
 
@@ -107,11 +106,8 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
         for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle")
         if (of_all := getattr(one, name)) is not None
     }
-
-    def of_groups(samples: BoolArray) -> BoolArray:
-        return np.asarray(samples[:count].reshape(-1, size).all(axis=1))  # all samples of a group count
-
-    return change_samples(one, means, lambda part: part.averaged(size), of_groups)
+    grouped = (lambda part: part.averaged(size)), (lambda mask: mask[:count].reshape(-1, size).all(axis=1))
+    return change_samples(one, means, *grouped)
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
@@ -122,13 +118,10 @@ def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
     return [data[int(k)] for k in chosen]
 
 
-def segments(recording: Recording) -> Iterator[Recording]:
+def segments(recording: Recording) -> list[Recording]:
     """Cut ten segments out of a recording of more than 100 000 samples, spread evenly, to look at its channels."""
-    if len(recording) <= 100_000:
-        yield recording
-        return
-    for start in np.linspace(0, len(recording) - 10_000, 10).astype(int):
-        yield recording.slice(int(start), int(start) + 10_000)
+    starts = np.linspace(0, len(recording) - 10_000, 10).astype(int).tolist()
+    return [recording] if len(recording) <= 100_000 else [recording.slice(k, k + 10_000) for k in starts]
 
 
 def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:

@@ -84,6 +84,8 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     usual = np.maximum(np.sqrt(np.mean((ahead - behind) ** 2, axis=1, keepdims=True)), 1e-300)
     beyond = np.max(np.abs(jump) / usual, axis=0) > 2.0 * np.max(np.abs(ahead - behind) / usual, axis=0)
     beyond &= np.asarray((np.abs(steps) < np.pi).all(axis=0))[WINDOW - 1 : -WINDOW + 1]  # else an angle wraps
+    if not beyond.any():
+        return
     seams = np.abs(jump) * beyond  # rows of other times: jumps of five times the way of a fast joint in a sample
     seams *= (seams > 5.0 * np.quantile(np.abs(slopes), 0.99, axis=1, keepdims=True)).sum(axis=0) > 1
     # A joint that stands, sticks or is frozen on one side of an interval says nothing of the time that passes there.

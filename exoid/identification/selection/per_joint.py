@@ -17,7 +17,7 @@ from exoid.torques.catalog import USUAL
 
 from .design import Design, form_design
 from .held_out import Fold, blocked_folds, fast_blocks, fold_of, rms
-from .normal_equations import Active, NormalEquations, residuals
+from .normal_equations import NormalEquations, residuals
 from .patterns import ALWAYS, LOAD, PLAIN, VELOCITIES, Columns, Grid, Pattern, patterns
 
 
@@ -55,7 +55,7 @@ class Choice(NamedTuple):
     def of(cls, design: Design, columns: tuple[Columns, ...], sigma: FloatArray) -> Choice:
         """Fit these columns."""
         whole = NormalEquations.of(design, np.ones(len(design.time)) / sigma[:, None] ** 2)
-        active = _active(design, columns)
+        active = [design.indices(joint, of_joint) for joint, of_joint in enumerate(columns)]
         base, friction = whole.solve(active)
         left = residuals(design, active, base, friction)
         floor = 1e-9 * np.sqrt(np.mean(design.tau**2))
@@ -145,7 +145,8 @@ def choose(
     with_offset: bool = False,
 ) -> Columns:
     """Choose the friction of one joint: fewest numbers within one standard error of the least error."""
-    design, active = tables.design, _active(tables.design, chosen)
+    design = tables.design
+    active = [design.indices(k, columns) for k, columns in enumerate(chosen)]
     whole = tables.whole.project(joint, active)
     projected = [each.project(joint, active) for each in tables.equations]
     rows = [design.some(fold.tested) for fold in tables.folds]
@@ -199,8 +200,3 @@ def _fewest(candidates: Sequence[tuple[Pattern, Columns, FloatArray]]) -> Column
         if errors[k] - errors[best] <= min(2.0 * standard_error, max(standard_error, 0.05 * errors[best])):
             return candidates[k][1]
     return candidates[best][1]
-
-
-def _active(design: Design, chosen: Sequence[Columns]) -> Active:
-    """Indices of the chosen columns of each joint."""
-    return [design.indices(joint, columns) for joint, columns in enumerate(chosen)]
