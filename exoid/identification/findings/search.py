@@ -180,7 +180,7 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     shift = (one for one in scores if one and one.nuisance.kind == "torque-delay" and not one.nuisance.joint)
     constant = max((one.evidence for one in shift if not _is_late(one)), default=-np.inf)
     likely: list[Score] = []
-    for score in sorted((one for one in scores if one is not None), key=lambda one: -one.evidence):
+    for score in sorted((one for one in scores if one is not None), key=lambda one: -round(one.evidence, 6)):
         most = max((one.evidence for one in likely), default=-np.inf)
         if score.nuisance.kind == "two-clocks" and constant > 0.8 * score.evidence:
             continue  # a motion that becomes faster shows a short delay ever more
