@@ -287,13 +287,16 @@ def library(
         faults.append(Nuisance(*turned, j, "rad", zero))
         always += (*add("sharpness", j), *add("reversals", j))
         for column, (kind, unit, form) in OF_ONE_JOINT.items():
-            faults.append(Nuisance(kind, joint, j, unit, add(column, j), form=form))
+            # half of a torque: no sensor or motor is bent by more; in 0.05 s a motion of 2 Hz goes on by half a radian
+            most = {"torque-curve": 0.5, "angle-delay": 0.05}.get(kind, np.inf)
+            faults.append(Nuisance(kind, joint, j, unit, add(column, j), form=form, most=most))
         force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
         faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force))
         if j in unbiased:
             faults.append(Nuisance("torque-offset", joint, j, "N·m", add("constant", j)))
-        if few and n > 1:
-            faults.append(Nuisance("cross-talk", joint, j, "1", add("cross-talk", j, *(k for k in range(n) if k != j))))
+        if few and n > 1:  # of a belt or a differential a sensor sees all of another torque, and no more
+            others = add("cross-talk", j, *(k for k in range(n) if k != j))
+            faults.append(Nuisance("cross-talk", joint, j, "1", others, most=1.2))
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j), most=0.05))

@@ -145,7 +145,8 @@ def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
     # Late torques are common: their limit of significance is ten times larger, and their least move half. Each names
     # one to three more of 40 machines of the proving ground, seeds below 60.
-    if score.nuisance.kind in FORWARD and not 0.0 <= score.delta[0] <= score.nuisance.most:
+    least = 0.0 if score.nuisance.kind in FORWARD else -score.nuisance.most
+    if score.nuisance.kind in (*FORWARD, "torque-curve") and not least <= score.delta[0] <= score.nuisance.most:
         return False
     # a change is the best of those at all times
     ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind in ("change", "wrong-load") else 1.0
