@@ -191,10 +191,8 @@ def _ringing(at: _Point, _: int) -> FloatArray:
         at.of.ringing.extend(_frequencies(at.of_leg, at.measured - at.torque, at.of.rate).tolist())
     lag = np.zeros_like(at.of_leg)
     for j in np.flatnonzero(at.of.ringing).tolist():
-        # bilinear transform of w² / (s² + 2 D w s + w²), with k = w / (2 rate)
-        k, start = np.pi * at.of.ringing[j] / at.of.rate, at.of_leg[j, 0]
-        b = k**2 * np.array([1.0, 2.0, 1.0])
-        a = b + np.array([1.0 + 2.0 * DAMPING * k, -2.0, 1.0 - 2.0 * DAMPING * k])
+        w, start = 2.0 * np.pi * at.of.ringing[j], at.of_leg[j, 0]
+        b, a = scipy.signal.bilinear([w**2], [1.0, 2.0 * DAMPING * w, w**2], at.of.rate)
         lag[j] = start + scipy.signal.lfilter(b, a, at.of_leg[j] - start)  # what is constant passes unchanged
     return _behind(at, lag)
 
