@@ -150,7 +150,7 @@ def impedance(
         source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
         stiffness: Stiffness K [N·m/rad], a number or one for each joint.
         damping: Damping D [N·m·s/rad].
-        friction: Friction compensation; None for none.
+        friction: Friction compensation, with a warning if it drives and is negative; None for none.
         rate: Sampling rate [Hz].
 
     Returns:
@@ -178,7 +178,7 @@ def gravity_support(
     Args:
         source: An estimate; a leg, which has no friction; or a plant of one rig, for an exact model.
         share: Share of the weight, 0 to 1, a number or one for each joint.
-        friction: Friction compensation; None for none.
+        friction: Friction compensation, with a warning if it drives and is negative; None for none.
         rate: Sampling rate [Hz].
 
     Returns:

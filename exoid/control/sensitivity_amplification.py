@@ -187,7 +187,7 @@ def sensitivity_amplification(
         bandwidth: Bandwidth of the motion filter [Hz], which makes accelerations of the measured velocities. If it is
             higher, the leg feels lighter over more frequencies, and more noise passes.
         rate: Sampling rate [Hz].
-        friction: Friction compensation; None for none. Its share is multiplied by 1 − 1/α.
+        friction: Friction compensation, its share times 1 − 1/α; a warning if it drives and is negative. None for none.
 
     Returns:
         The controller.

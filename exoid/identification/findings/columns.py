@@ -154,9 +154,9 @@ def _smoothed(at: _Point, _: int) -> FloatArray:
 def _gravity(at: _Point, _: int) -> list[FloatArray]:
     """Derivatives of the gravity torque by a tilt about each of the two axes that are nearest to horizontal."""
     model, tree = at.leg.model, at.leg.tree_motion(at.motion.q)
-    gravity, slopes = model.gravity.linear, tree.project(gravity_slopes(model, tree.q))
+    gravity, slopes = model.gravity.linear, gravity_slopes(model, tree.q)
     axes = np.delete(np.eye(3), np.argmax(np.abs(gravity)), axis=0)
-    return [np.tensordot(np.cross(axis, gravity), slopes, axes=1).T for axis in axes]
+    return [tree.project(np.tensordot(np.cross(axis, gravity), slopes, axes=1)).T for axis in axes]
 
 
 def _length(at: _Point, _: int) -> list[FloatArray]:
