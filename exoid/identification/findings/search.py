@@ -195,8 +195,8 @@ def _likely(beside: _Beside, state: State, candidates: Sequence[Nuisance], limit
     most = max((one.evidence for one in likely), default=0.0)
     plainly = any(_is_late(one) or (_is_scaled(one) and 1.5 * one.evidence > most) for one in likely)
     last = ("unmodelled-force", "cross-talk") * plainly
-    likely.sort(key=lambda one: one.nuisance.kind == "torque-curve")  # of one sign, it is a scale: rounding decides not
-    likely.sort(key=lambda one: (one.nuisance.kind in last, -round(one.evidence, 6)))
+    # of a torque of one sign, curve and scale are one column: the scale goes first, not what rounding prefers
+    likely.sort(key=lambda x: (x.nuisance.kind in last, -round(x.evidence, 6), x.nuisance.kind == "torque-curve"))
     if likely and float(np.linalg.norm(likely[0].delta)) > likely[0].nuisance.most:
         return []  # something else is wrong, of which the columns know nothing
     # a load has more numbers than a zero: it stands beside one that explains no more
