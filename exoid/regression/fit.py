@@ -10,7 +10,7 @@ import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 
-from .least_squares import ROUNDING, TINY, RFactor, stack
+from .least_squares import RANK_OF_SQUARES, ROUNDING, TINY, RFactor, stack
 from .noise import AutoregressiveNoise
 from .problem import Fit, LeastSquaresProblem, Noises, RowProblem, RowSource, Uncertainty
 from .residuals import Series, matrix_root, sandwich, series
@@ -78,29 +78,40 @@ def uncertainty_of(problem: RowProblem, fit: Fit, *, white: bool) -> Uncertainty
         found = found._replace(covariance=fit.solution.covariance, dofs=None)
     if fit.uncertainty:
         return found
-    # No variance is below that for white noise of `ACCURACY` of each joint's RMS torque; correlations stay
-    inverse, variances = fit.solution.inverse, np.diag(found.covariance)
-    smallest = np.zeros(len(inverse))
+    # No variance is below that for white noise of `ACCURACY` of each joint's RMS torque, which then comes on top
+    least = np.zeros_like(found.covariance)
     for r_factor, weight in zip(problem.r_factors, fit.weights, strict=True):
         if r_factor.rows:
-            size = ACCURACY**2 * float(r_factor.R[:, -1] @ r_factor.R[:, -1]) / r_factor.samples
-            smallest += weight**4 * size * ((r_factor.R[:, :-1] @ inverse) ** 2).sum(axis=0)
-    if (variances >= smallest).all():
+            size = ACCURACY * float(np.linalg.norm(r_factor.R[:, -1])) / math.sqrt(r_factor.samples)
+            root = weight**2 * size * r_factor.R[:, :-1] @ fit.solution.inverse
+            least += root.T @ root
+    if (np.diag(found.covariance) >= np.diag(least)).all():
         return found
-    scale = np.sqrt(np.maximum(1.0, smallest / np.maximum(variances, TINY)))
-    return found._replace(covariance=found.covariance * np.multiply.outer(scale, scale))
+    return found._replace(covariance=found.covariance + least)
 
 
 def correlated_uncertainty(rows: RowSource, fit: Fit) -> Uncertainty:
     """Uncertainty of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
-    # S C S with S_i² = V_i / C_ii: variances V by the jackknife, unless blocks are too few, correlations by the noise
     found = sandwich(rows, fit)
-    by_blocks, dofs, blocks = jackknife(rows, fit, found.noises)
-    if not blocks:
-        return found
-    variances = np.diag(found.covariance)
-    scale = np.sqrt(np.divide(by_blocks, variances, out=np.ones(len(variances)), where=variances > TINY))
-    return Uncertainty(found.covariance * np.multiply.outer(scale, scale), dofs, found.noises)
+    changes, dofs, blocks = jackknife(rows, fit, found.noises)
+    return Uncertainty(combine(found.covariance, changes), dofs, found.noises) if blocks else found
+
+
+def combine(covariance: FloatArray, changes: FloatArray) -> FloatArray:
+    """Combine the covariance of a noise model with changes D whose squares add up to variances, (B, P)."""
+    # DᵀD is singular, as blocks are few. With D in units of the noise model, and axes E of its correlations R, it is
+    # averaged with E diag(EᵀDᵀDE) Eᵀ. A combination that the log determines stays certain, as D along its axis is
+    # small. To scale each parameter alone would make it as uncertain as the parameters that it confounds.
+    scale = np.sqrt(np.maximum(np.diag(covariance), TINY**2))
+    sizes, E = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
+    D = changes / scale
+    root = np.hstack([E * np.linalg.norm(D @ E, axis=0), D.T]) / math.sqrt(2.0)
+    # Variances are those of D as far as this leaves the rest certain: (R⁻¹)_ii^(−½) of a deviation is a parameter's own
+    own = 1.0 / np.sqrt(E**2 @ (1.0 / np.maximum(sizes, max(RANK_OF_SQUARES * sizes[-1], TINY))))
+    averaged, aim = np.linalg.norm(root, axis=1), np.linalg.norm(D, axis=0)
+    ratio = np.divide(aim, averaged, out=np.ones(len(aim)), where=averaged > 0.0)
+    root *= (scale * (1.0 + own * (ratio - 1.0)))[:, None]
+    return np.asarray(root @ root.T)
 
 
 def samples_left(
@@ -126,10 +137,10 @@ def samples_left(
 
 
 def jackknife(rows: RowSource, fit: Fit, noises: Noises) -> tuple[FloatArray, FloatArray, int]:
-    """Leave out one block of rows after the other, all joints at once: variances of the parameters, (P,).
+    """Leave out one block of rows after the other, all joints at once: changes of the parameters, (B + P, P).
 
-    Beside them stand their degrees of freedom, (P,), infinite where no noise of the rows enters, and the number of
-    blocks, 0 if there are too few to say anything.
+    Their squares add up to variances; the last are those of priors. Beside them stand the degrees of freedom, (P,),
+    infinite where no noise of the rows enters, and the number of blocks B, 0 if there are too few to say anything.
     """
     # With A = WᵀW, block b has the score s_b and the information G_b. Without the block, the estimate moves by
     # d_b = −(A − G_b)⁻¹ s_b, and the variance of parameter i is (B − 1)/B Σ_b (d_bi − mean)² (Efron 1982). Its
@@ -144,14 +155,14 @@ def jackknife(rows: RowSource, fit: Fit, noises: Noises) -> tuple[FloatArray, Fl
     root = matrix_root(inverse)
     changes = np.vstack([_changes(noises, root, fit.clip, parts) for parts in series(rows, fit)])
     moved = np.abs(changes) > ROUNDING * np.abs(changes).max(axis=0, initial=0.0)
-    count = moved.sum(axis=0)
-    changes = np.where(moved, changes - changes.sum(axis=0) / np.maximum(count, 1), 0.0)
+    count = np.maximum(moved.sum(axis=0), 1)
+    changes = np.where(moved, changes - changes.sum(axis=0) / count, 0.0)
     squares = changes**2
-    of_rows = squares.sum(axis=0) * (1.0 - 1.0 / np.maximum(count, 1))
-    variances = of_rows + np.einsum("ij,jk,ik->i", inverse, fit.solution.prior_noise, inverse)
     dofs = 3.0 * squares.sum(axis=0) ** 2 / np.maximum((squares**2).sum(axis=0), TINY)
+    changes = np.vstack([changes * np.sqrt(1.0 - 1.0 / count), (inverse @ matrix_root(fit.solution.prior_noise)).T])
+    of_rows, variances = (changes[: -len(inverse)] ** 2).sum(axis=0), (changes**2).sum(axis=0)
     dofs = np.clip(dofs, 1.0, np.maximum(count - 1, 1)) * (variances / np.maximum(of_rows, TINY)) ** 2
-    return variances, np.where(of_rows > TINY, dofs, np.inf), len(changes) if len(changes) > 1 else 0
+    return changes, np.where(of_rows > TINY, dofs, np.inf), len(moved) if len(moved) > 1 else 0
 
 
 def _changes(noises: Noises, root: FloatArray, clip: float, parts: Sequence[Series]) -> FloatArray:
