@@ -23,9 +23,9 @@ def export(
     """Write an identified leg as a URDF, for MuJoCo with rotors, or in C.
 
     With --law, the C is a control law with this model: pd, gravity_friction_pd, feedforward_pd, computed_torque or lqr;
-    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; for a machine that stands, stance,
-    with a solver of yours (docs/stance-control.md); or momentum_observer, which gives the torque of the wearer. With
-    --ros2, it is a package for ROS 2 around that C.
+    for a leg with a wearer gravity_support, sensitivity_amplification or impedance; for a machine that stands, stance
+    or coordinated, with a solver of yours (docs/stance-control.md); or momentum_observer, which gives the torque of the
+    wearer. With --ros2, it is a package for ROS 2 around that C.
 
     Example: exoid export est.json -o leg.urdf
     """

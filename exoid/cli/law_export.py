@@ -29,8 +29,8 @@ WORN = ("gravity_support", "sensitivity_amplification", "impedance")
 OBSERVER = "momentum_observer"
 """Name of the observer, which gives the torque of the wearer in place of a command."""
 
-GROUND = "stance"
-"""Name of the whole-body law of a machine on the ground."""
+GROUND = ("stance", "coordinated")
+"""Names of the law of a machine on the ground, alone and with its contacts and functions."""
 
 
 def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSource:
@@ -43,7 +43,7 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
         "sensitivity_amplification": (*gains, "share"),
         OBSERVER: (*gains, "limit", "slew", "share", "amplification"),
         "lqr": (*gains[:2], "share", "amplification", "bandwidth"),
-        GROUND: (*gains, "slew", "share", "amplification", "bandwidth"),
+        **dict.fromkeys(GROUND, (*gains, "slew", "share", "amplification", "bandwidth")),
     }.get(name, ("share", "amplification", "bandwidth"))
     safety = Safety(options.safe or default.safe, patience=_or(options.patience, default.patience))
     refuse({f"--{option}": getattr(options, option) for option in foreign}, f"{name} has none")
@@ -52,8 +52,9 @@ def export_law(estimate: Estimate, target: Target, options: LawOptions) -> CSour
     law: object
     if name == OBSERVER:
         law = _observer(estimate, options)
-    elif name == GROUND:
-        law = control.stance(estimate, limit=limit, rate=_or(options.rate, 500.0))
+    elif name in GROUND:
+        make = control.stance if name == "stance" else control.ground.CoordinatedLoop.of
+        law = make(estimate, limit=limit, rate=_or(options.rate, 500.0))
     else:
         slew = np.inf if options.slew is None else joint_values(options.slew, "--slew", labels)
         most = estimate.leg.limits.effort if limit is None else limit
@@ -78,10 +79,9 @@ def _law(estimate: Estimate, name: str, options: LawOptions) -> AnyLaw:
         amplification = joint_values(options.amplification or "2", "--amplification", labels)
         bandwidth, rate = _or(options.bandwidth, 20.0), _or(options.rate, 500.0)
         return control.sensitivity_amplification(model, amplification, bandwidth=bandwidth, rate=rate)
-    known = (*control.LAWS, *WORN)
+    known = (*control.LAWS, *WORN, OBSERVER, *GROUND)
     if name not in known:
-        all_of_them = (*known, OBSERVER, GROUND)
-        remedy = f"{nearest(name, all_of_them)}use one of {', '.join(all_of_them)}"
+        remedy = f"{nearest(name, known)}use one of {', '.join(known)}"
         raise BadArgumentError(f"--law {name}: no such controller", remedy=remedy)
     reference, period, _ = gait_or_rest(model.leg, options.role)
     usual = control.default_gains(model, control.mean_pose(reference, period), rate)

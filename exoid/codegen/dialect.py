@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, NotSupportedError
 
 ABSURD = 1e9
 """Size from which an input or a torque is absurd in any unit; it also stands for a limit that was not given."""
@@ -76,6 +76,18 @@ class Dialect:
             ``sin`` in double, ``sinf`` in float.
         """
         return name if self.real == "double" else f"{name}f"
+
+    def require_double(self, what: str) -> None:
+        """Refuse single precision.
+
+        Args:
+            what: What is too coarse in it.
+
+        Raises:
+            ExoidError: The precision is single.
+        """
+        if self.real != "double":
+            raise NotSupportedError(f"{what} in single precision", remedy='use precision="double"')
 
 
 def identifier(path: str | Path) -> str:

@@ -58,6 +58,14 @@ class ArrayInC(NamedTuple):
     values: NDArray[Any]
 
 
+class PartInC(NamedTuple):
+    """Part of a law: tables, memory, and template of its functions."""
+
+    tables: tuple[ArrayInC, ...]
+    memory: tuple[ArrayInC, ...]
+    helpers: str
+
+
 class LegInC(NamedTuple):
     """Model of a leg inside a law."""
 

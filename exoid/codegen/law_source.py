@@ -133,4 +133,5 @@ def _at_first(memory: Sequence[ArrayInC], dialect: Dialect) -> Iterator[str]:
     for array in memory:
         for index, value in np.ndenumerate(array.values):
             place = "".join(f"[{k}]" for k in index)
-            yield f"    state->{array.name}{place} = {dialect.number(float(value))};\n"
+            number = str(value) if array.values.dtype.kind == "i" else dialect.number(float(value))
+            yield f"    state->{array.name}{place} = {number};\n"

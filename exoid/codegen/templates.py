@@ -27,6 +27,11 @@ def step_of(name: str) -> str:
     return resources.files(__package__).joinpath("steps", f"{name}.c.jinja").read_text(encoding="utf-8")
 
 
+def sized(name: str, **values: int | str) -> str:
+    """Read the statements of a law, with sizes and texts that stand in them."""
+    return "".join(f"{{% set {key} = {value!r} %}}\n" for key, value in values.items()) + step_of(name)
+
+
 @cache
 def _environment(dialect: Dialect) -> Environment:
     """Settings of all templates; names of files count from this package, and each file is compiled once."""

@@ -68,6 +68,18 @@ def torques_in_c(block: TermBlock, parameters: Mapping[str, str], dialect: Diale
         yield joint, _summand(f"{ratio} * ({along})")
 
 
+def term_columns(model: TorqueModel) -> list[tuple[str, int, str]]:
+    """Write the columns of the terms: parameter, joint, and expression in q[j], v[j] and a[j] of each."""
+    found = []
+    for block in model.blocks:
+        rotor = c_form(block.term).place == "rotor"
+        for symbol, name in zip(block.term.symbols, block.names, strict=True):
+            unit = {each: "1.0" if each == symbol else "0.0" for each in block.term.symbols}
+            for joint, text in torques_in_c(block, unit, Dialect()) if name in model.names else ():
+                found.append((name, joint, f"{text} * a[{joint}]" if rotor else text))
+    return found
+
+
 def _summand(expression: str) -> str:
     """Put parentheses around an expression that ends in an operator weaker than a sum, such as a conditional."""
     outside, inside = "", expression  # parentheses are taken away from the innermost outwards

@@ -108,6 +108,16 @@ def record_type(source: CSource) -> np.dtype:
     return np.dtype([*fields, *((name, np.uint32) for name in counters)], align=True)
 
 
+def state_type(source: CSource) -> np.dtype:
+    """The struct of the memory of a law that neither keeps angles nor settles."""
+    kinds = {"i": np.intc, "f": np.float64}
+    fields = [("last", np.float64, (len(source.content.joints),))]
+    fields += [(each.name, kinds[each.values.dtype.kind], each.values.shape) for each in source.content.memory]
+    fields += [("running", np.intc), ("reading", np.uint32), ("reading_age", np.intc)]
+    fields += [("target", np.uint32), ("target_age", np.intc)] if "target" in record_type(source).names else []
+    return np.dtype([*fields, ("faults", np.uint32)], align=True)
+
+
 def records(source: CSource, count: int, values: Mapping[str, np.ndarray]) -> np.ndarray:
     """Inputs of some samples, with counters that begin at 1."""
     found = np.zeros(count, record_type(source))

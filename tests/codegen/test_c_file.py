@@ -77,16 +77,6 @@ int main(void)
 
 
 @needs_compiler
-def test_two_legs_fit_into_one_program(tmp_path):
-    for side in ("left", "right"):
-        made_up(exoid.load_leg("cuhk", side=side)).to_c(tmp_path / f"{side}-leg.c")
-    both = '#include "left-leg.c"\n#include "right-leg.c"\n'
-    (tmp_path / "main.c").write_text(both + "int main(void) { return LEFT_LEG_JOINTS != RIGHT_LEG_JOINTS; }\n")
-    program = compile_c((), tmp_path / "main.c", to=tmp_path / "main")
-    assert subprocess.run([str(program)], check=False).returncode == 0
-
-
-@needs_compiler
 def test_it_compiles_as_cpp_too(tmp_path):
     ESTIMATE.to_c(tmp_path / "leg.c")
     command = [str(shutil.which("c++") or pytest.skip("no C++ compiler")), "-x", "c++", "-Wall", "-Wextra", "-Werror"]

@@ -62,16 +62,6 @@ def test_every_function_is_that_of_pinocchio_and_the_estimate(case):
         assert_relative(found, expected, EXACT)
 
 
-def test_float_is_as_accurate_as_float_can_be(leg, tmp_path):
-    estimate = made_up(leg)
-    c = CompiledLeg(source_of(estimate, precision="float"), tmp_path)
-    rng = np.random.default_rng(2)
-    q, v, a = (x.astype(np.float32).astype(np.float64) for x in random_motion(rng, c.n, turns=0.25))
-    expected = estimate.torque(q, v, a)
-    assert_relative(c("inverse_dynamics", q, v, a), expected, SINGLE)
-    assert np.abs(c("inverse_dynamics", q, v, a) - expected).max() > 1e-9  # it is not double in disguise
-
-
 SETS = {
     "none": (),
     "sharp friction": (Coulomb(smoothing=0.0), Viscous()),

@@ -10,12 +10,10 @@ from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from laws_of_bleex import KD, LIMIT, gait, laws, model, observer, random_values, torques_in_python
+from laws_of_bleex import KD, LIMIT, laws, model, observer, random_values, torques_in_python
 
 from exoid.codegen import Safety, c_source
-from exoid.control import default_gains, simulate_law
-from exoid.control.standard_laws import SENSORS
-from exoid.rig import Plant, Wearer
+from exoid.control import default_gains
 
 pytestmark = needs_compiler
 
@@ -23,9 +21,6 @@ EXACT, SINGLE = 1e-12, 1e-5
 """Largest error allowed in double and in float, relative to the largest torque."""
 
 NAMES = tuple(laws())
-QUICK = ("gravity_friction_pd", "sensitivity_amplification")
-"""Laws that run in the closed loop of every test run."""
-
 SAFE = {"gravity_friction_pd": "gravity", "computed_torque": "zero", "lqr": "gravity"}
 """Safe torque of laws that do not have the default one."""
 
@@ -57,22 +52,6 @@ def test_a_law_computes_the_same_on_random_input(library, name, precision, toler
     tau, status, _ = law.run(records(law.source, 150, values))
     assert not status.any()
     assert_relative(tau, torques_in_python(laws()[name], values), tolerance)
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in NAMES]
-)
-def test_in_the_closed_loop_on_the_rig_c_tracks_like_python(library, name):
-    resistances = {f"{symbol}_{joint}": 1.0 for joint in model().leg.joint_labels for symbol in ("c0", "d")}
-    plant = Plant.build(model().leg, resistances)
-    wearer = Wearer.build(plant.leg) if name == "sensitivity_amplification" else None
-    runs = [
-        simulate_law(plant, law, gait(), 0.5, sensors=SENSORS, seed=1, wearer=wearer)
-        for law in (laws()[name], library[f"{name}_double"])
-    ]
-    in_python, in_c = ([run.rms_deg, run.peak_deg, run.rms_torque] for run in runs)
-    np.testing.assert_allclose(in_c, in_python, rtol=1e-6)
-    assert_relative(runs[1].tau, runs[0].tau, 1e-6)
 
 
 SANITIZERS = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
@@ -188,13 +167,3 @@ def test_counters_may_overflow(library):
     rows = records(law.source, 6, random_values(6))
     rows["reading"] = rows["target"] = np.arange(2**32 - 3, 2**32 + 3, dtype=np.uint64).astype(np.uint32)
     assert not law.run(rows)[1].any()
-
-
-def test_a_second_leg_has_its_own_state(library):
-    law, values = library["gravity_friction_pd_double"], random_values(10)
-    rows = records(law.source, 10, values)
-    _, _, memory = law.run(rows[:5])
-    law.run(rows)  # another state
-    resumed, status, _ = law.run(rows[5:], memory)
-    assert not status.any()
-    np.testing.assert_array_equal(resumed, law.run(rows)[0][5:])

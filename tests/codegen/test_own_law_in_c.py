@@ -9,8 +9,8 @@ from compiled import COMPILER, needs_compiler
 from compiled_laws import CompiledLaw, build, records, write_all
 from laws_of_bleex import KD, KP, laws, observer, random_values, torques_in_python
 
-from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, Safety, c_source, write_ros2
-from exoid.control import Limited, pd
+from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, c_source, write_ros2
+from exoid.control import Limited
 
 
 class Filtered(NamedTuple):
@@ -73,13 +73,6 @@ def test_a_law_with_memory_begins_again_after_a_fault(tmp_path):
     np.testing.assert_allclose(tau[:20], torques_in_python(FilteredPID(), before), atol=1e-11)
     np.testing.assert_allclose(tau[20], -KD * values["v"][20], atol=1e-11)
     np.testing.assert_allclose(tau[21:], torques_in_python(FilteredPID(), after), atol=1e-11)
-
-
-def test_the_damping_of_the_safe_torque_may_be_chosen():
-    source = c_source(pd(KP, KD), safety=Safety(damping=(1.0, 2.0, 3.0)))
-    assert "law_safe_damping[3] = {1.0, 2.0, 3.0};" in source.text
-    assert "damping of 1, 2, 3 N m s/rad" in source.header
-    assert "safe_damping" not in c_source(pd(KP, KD), safety=Safety("zero")).text
 
 
 def test_joints_without_a_limit_of_the_torque_are_named(tmp_path):

@@ -139,8 +139,9 @@ def test_the_command_writes_the_law_of_a_machine_on_the_ground(exoid_, tmp_path)
     machine, model = exoid.load_exo("bleex", base="floating"), exoid.load_leg("bleex")
     for name, leg in (("stands", machine), ("held", model)):
         made_up(leg, (exoid.Viscous(),)).save(tmp_path / f"{name}.json")
-    done = exoid_("export", tmp_path / "stands.json", "--law", "stance", "--limit", "90", "--c", tmp_path / "law.c")
-    assert done.code == 0, done.err
+    for law in ("coordinated", "stance"):
+        done = exoid_("export", tmp_path / "stands.json", "--law", law, "--limit", "90", "--c", tmp_path / "law.c")
+        assert done.code == 0, done.err
     assert "law_largest" in (tmp_path / "law.c").read_text()
     assert "solve" in (tmp_path / "law.h").read_text()
     refused = exoid_("export", tmp_path / "held.json", "--law", "stance", "--c", tmp_path / "other.c")

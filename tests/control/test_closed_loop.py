@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from arms import Arm
 from controlled_legs import cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
-from exoid.control import ControlModel, State, compare_laws, gravity_friction_pd, pd, simulate_law, simulate_many
-from exoid.experiments import Hold, healthy_gait
+from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate_law, simulate_many
+from exoid.experiments import healthy_gait
 from exoid.rig import Plant, Target
 
 pytestmark = pytest.mark.slow
@@ -37,12 +36,6 @@ def test_a_controller_receives_the_time_the_target_and_its_last_torque():
         assert state.last is None if k == 0 else state.last == pytest.approx(0.01 * k)
         for received, true in zip(target, gait.at(k / 30.0), strict=True):
             np.testing.assert_allclose(received, true[:, 0], atol=1e-12)
-
-
-def test_torque_is_held_between_samples():
-    run = simulate_law(cuhk_plant(), Spy(), healthy_gait(), 1.0, log_rate=300.0)
-    np.testing.assert_allclose(run.tau[1::10, 0], run.tau[10::10, 0])
-    assert len(np.unique(run.tau[1:, 0])) == 30
 
 
 def test_the_closed_loop_without_friction_is_that_of_an_integrator_of_high_order():
@@ -93,12 +86,3 @@ def test_many_rigs_at_once_do_what_each_does_alone():
     for one, plant in zip(together, plants, strict=True):
         alone = simulate_law(plant, pd(KP, KD), healthy_gait(period=2.0), 0.6)
         np.testing.assert_allclose(one.q, alone.q, atol=1e-8)
-
-
-def test_controllers_are_compared_on_a_leg_in_space():
-    """One by one: its runs are those of each controller alone."""
-    plant, hold = Plant.build(Arm("ur5").leg, end_stops=False), Hold(np.full((6, 1), 0.1))
-    laws = {"soft": pd(5.0, 0.2, rate=500.0), "stiff": pd(20.0, 0.5, rate=500.0)}
-    runs = compare_laws(plant, laws, hold, 0.2, start=np.full(6, 0.12))
-    for name, law in laws.items():
-        np.testing.assert_array_equal(runs[name].q, simulate_law(plant, law, hold, 0.2, start=np.full(6, 0.12)).q)

@@ -13,11 +13,9 @@ from exoid.control import (
     State,
     gravity_support,
     impedance,
-    pd,
     sensitivity_amplification,
     simulate_law,
 )
-from exoid.errors import ExoidError
 from exoid.experiments import Hold
 from exoid.rig import Payload, Plant, Sensors, Wearer, plant_with_payloads
 
@@ -136,12 +134,3 @@ def test_the_law_receives_what_the_cuffs_measure():
     np.testing.assert_array_equal(law.heard, run.interaction)
     simulate_law(RUBBING, unworn := Listen(), GAIT, 0.1)
     assert unworn.heard[0] is None
-
-
-def test_nobody_feels_anything_in_an_unworn_leg():
-    run = simulate_law(RUBBING, pd(20.0, 2.0), GAIT, 0.5)
-    assert run.interaction is None
-    assert "wearer" not in str(run)
-    assert "rms_interaction" not in run.to_json()
-    with pytest.raises(ExoidError, match="nobody wears this leg"):
-        _ = run.rms_interaction

@@ -135,7 +135,7 @@ class Coordinator:
         Raises:
             ExoidError: There is no such function.
         """
-        if function not in (*self.functions, SAFE):
+        if function not in self.states:
             raise BadArgumentError(f"no function {function!r}", remedy=f"use one of {', '.join(self.functions)}")
         known = frozenset(SIDES) if function == SAFE else self.functions[function].expected(phase)
         return CoordinatorMemory(function, phase, known, loaded=dict.fromkeys(known, 1.0))
@@ -246,6 +246,17 @@ class Coordinator:
         last, bounds = 0.0 if memory.torque is None else memory.torque, (most, fastest, 1.0 / self.rate)
         memory.torque, memory.slope = bounded(aim, last, *bounds, fastest / JERKS, memory.slope)
         return memory.torque
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the functions, and of the safe stop, which is last."""
+        return (*self.functions, SAFE)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Tuned numbers by their names in C."""
+        own = {"certain": CERTAIN, "rests": RESTS, "keeps": KEEPS, "transfer": TRANSFER, "damping": DAMPING}
+        return own | {"rises": RISES, "jerks": JERKS}
 
     def _advance(
         self, memory: CoordinatorMemory, contacts: Contacts | None, flexion: FloatArray, request: str | None, dt: float

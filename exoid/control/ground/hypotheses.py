@@ -185,6 +185,11 @@ class ContactFilter:
         """Links with soles that are not the root link."""
         return tuple(link for link in self.soles if link != self.model.leg.description.root_link)
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Tuned numbers by their names in C."""
+        return self.noise._asdict() | {"surprise": float(np.log(self.noise.surprise)), "block": BLOCK}
+
     def begin(self, contacts: Iterable[str] | None = None) -> Memory:
         """Make the memory before the first sample.
 
@@ -249,7 +254,7 @@ class ContactFilter:
         planned = [not expected or each in expected for each in self._names]
         surprise = np.where([*planned, not expected], 0.0, np.log(self.noise.surprise))
         for k in range(len(ends)):
-            belief = self._changes @ memory.probability
+            belief = self.changes @ memory.probability
             memory.misfit += BLOCK / self.noise.agrees * (misfit[k] - memory.misfit)  # jolts are short
             wrong = memory.misfit > self.noise.misfit
             memory.distrusted = self.noise.distrusted if wrong else max(memory.distrusted - BLOCK, 0.0)
@@ -277,7 +282,7 @@ class ContactFilter:
         return Belief(probability, wrenches[range(len(ends)), probability.argmax(axis=1)])
 
     @cached_property
-    def _changes(self) -> FloatArray:
+    def changes(self) -> FloatArray:
         """Prior of transitions: contacts change one by one; the unknown is rare, (H, H), from column to row."""
         sets, p = self.sets, self.noise.change
         A = np.array([[p ** (1.5 * len(a ^ b) - 0.5 * (a != b)) for b in sets] for a in sets])
@@ -288,7 +293,7 @@ class ContactFilter:
         return np.asarray(A)
 
     @cached_property
-    def _filters(self) -> tuple[FloatArray, ...]:
+    def filters(self) -> tuple[FloatArray, ...]:
         """Low-pass (ω/(s + ω))³, and the same of the first and second derivative, as second-order sections."""
         omega, out = 2.0 * np.pi * self.cutoff, []
         for order in range(3):
@@ -297,10 +302,10 @@ class ContactFilter:
         return tuple(out)
 
     @cached_property
-    def _gains(self) -> FloatArray:
+    def gains(self) -> FloatArray:
         """Standard deviation of filtered white noise and of its derivatives, (3,)."""
         impulse = np.eye(1, int(self.rate))[0]
-        return np.array([np.linalg.norm(scipy.signal.sosfilt(sos, impulse)) for sos in self._filters])
+        return np.array([np.linalg.norm(scipy.signal.sosfilt(sos, impulse)) for sos in self.filters])
 
     def _filtered(
         self, memory: Memory, readings: ContactReadings, ends: NDArray[np.intp]
@@ -311,17 +316,17 @@ class ContactFilter:
         channels = (np.hstack([angles, readings.tau, readings.force, known]), angles, readings.q)
         if memory.channels is None:  # as if the machine had been at rest
             memory.channels = [
-                scipy.signal.sosfilt_zi(sos)[:, :, None] * x[0] for sos, x in zip(self._filters, channels, strict=True)
+                scipy.signal.sosfilt_zi(sos)[:, :, None] * x[0] for sos, x in zip(self.filters, channels, strict=True)
             ]
         out = []
-        for k, (sos, x) in enumerate(zip(self._filters, channels, strict=True)):
+        for k, (sos, x) in enumerate(zip(self.filters, channels, strict=True)):
             y, memory.channels[k] = scipy.signal.sosfilt(sos, x, axis=0, zi=memory.channels[k])
             out.append(y[ends])
         return out[0], out[1], out[2]
 
     def amend(self, memory: Memory, missed: FloatArray) -> None:
         """Add to the low-passes what angles and rates that froze have missed, (n + 3,), as if it had grown steadily."""
-        for sos, states in zip(self._filters, memory.channels or (), strict=False):
+        for sos, states in zip(self.filters, memory.channels or (), strict=False):
             for k in np.flatnonzero(missed[: states.shape[2]]):
                 joint = k < len(self.model.leg.joint_names)
                 count = 1 if memory.still is None else int(memory.still[k if joint else -1])
@@ -353,10 +358,10 @@ class ContactFilter:
         W = self.model.regressor(q, v, a, base)  # (K, b + n, P)
         e = W @ self.values - known
         e[:, b:] -= tau
-        low_gain, _, second = self._gains
+        low_gain, _, second = self.gains
         acceleration = np.zeros(b + n)
         acceleration[:2] = (noise.acceleration * low_gain) ** 2
-        acceleration[2] = (noise.gyro * self._gains[1]) ** 2
+        acceleration[2] = (noise.gyro * self.gains[1]) ** 2
         acceleration[b:] = (noise.angle * second) ** 2
         M = leg.mass_matrix(q)
         size = np.array([noise.force] * 2 + [noise.moment] * (b + n - 2))
@@ -364,12 +369,9 @@ class ContactFilter:
         spread = size**2 + (noise.relative * e) ** 2
         spread[:, b:] += (noise.torque * low_gain) ** 2
         S[:, range(b + n), range(b + n)] += spread
-        L = np.linalg.cholesky(S)
-        white = np.asarray(np.linalg.solve(L, e[..., None]), np.float64)  # (K, R, 1)
         # columns Jᵀ P^½ of the wrench on each sole about its middle, (K, R, 3); a point has a small moment
         J = {link: self.axes[link] @ leg.frame_jacobian(q, link, sole.centre) for link, sole in self.soles.items()}
-        columns = {link: np.swapaxes(each, 1, 2) * self._prior for link, each in J.items()}
-        loads = {link: np.asarray(np.linalg.solve(L, each), np.float64) for link, each in columns.items()}
+        columns = {link: np.swapaxes(each, 1, 2) * self.prior for link, each in J.items()}
         up = np.column_stack([base.specific_force @ leg.plane.forward, base.specific_force @ leg.plane.up])
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1.0)
         rates = np.column_stack([np.zeros((K, 2)), -gyro @ leg.plane.lateral, v])
@@ -382,7 +384,7 @@ class ContactFilter:
         for h, links in enumerate(self.sets):
             # a seat that is loaded slowly bears a quarter of its usual forces
             bear, grades = [link for link in self.soles if link in links], (0.25, 1.0) if seat in links else (1.0,)
-            both = [self._bear(white, [loads[x] * (g if x == seat else 1.0) for x in bear]) for g in grades]
+            both = [self._bear(S, e, [columns[x] * (g if x == seat else 1.0) for x in bear]) for g in grades]
             y, distance, _ = both[-1]
             likelihood[:, h] = np.logaddexp.reduce([score for *_, score in both]) - np.log(len(both))
             least = np.minimum(least, distance)
@@ -392,26 +394,26 @@ class ContactFilter:
                 likelihood[:, h] -= np.minimum(0.5 * apart / noise.slide**2, 20.0)
             if own:
                 each = y[..., 0].reshape(K, len(own), 3)
-                wrenches[:, h, own] = each * self._prior
+                wrenches[:, h, own] = each * self.prior
                 for k, link in enumerate(bear):
                     force = np.einsum("kri,ki->kr", columns[link][:, :2], each[:, k])
                     # without 40 N at least, a function that expects the seat would be proof of it
                     likelihood[:, h] -= self._impossible(force, up, 40.0 if link == seat else 0.0)
-        wide = np.linalg.inv(L) * (self._weight * np.repeat([1.0, 0.3], [2, b + n - 2]))
-        *_, likelihood[:, -1] = self._bear(white, [wide])
-        return likelihood, wrenches, np.log1p(least.clip(0.0) / noise.freedom)
+        wide = np.diag(self.weight * np.repeat([1.0, 0.3], [2, b + n - 2]))
+        *_, likelihood[:, -1] = self._bear(S, e, [np.tile(wide, (K, 1, 1))])
+        return likelihood, wrenches, np.log1p(least / noise.freedom)
 
-    def _bear(self, white: FloatArray, loads: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _bear(
+        self, S: FloatArray, e: FloatArray, loads: Sequence[FloatArray]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Forces of contacts, (K, 3 S), distance of what they do not explain and log-likelihood, (K,)."""
-        G = np.concatenate([np.zeros((*white.shape[:2], 0)), *loads], axis=2)
-        inner = np.eye(G.shape[2]) + np.swapaxes(G, 1, 2) @ G  # |I + G Gᵀ| = |I + Gᵀ G|, and Woodbury
-        x = np.swapaxes(G, 1, 2) @ white
-        y = np.linalg.solve(inner, x)
-        distance = (white**2).sum(axis=(1, 2)) - (x * y).sum(axis=(1, 2))
+        G = np.concatenate([np.zeros((*e.shape, 0)), *loads], axis=2)
+        S = S + G @ np.swapaxes(G, 1, 2)
+        x = np.linalg.solve(S, e[..., None])
+        distance = (e * x[..., 0]).sum(axis=1)
         # Student's t of the distance, as jolts are no evidence
-        nu, logdet = self.noise.freedom, np.linalg.slogdet(inner)[1]
-        score = -0.5 * (nu + white.shape[1]) * np.log1p(np.maximum(distance, 0.0) / nu) - 0.5 * logdet
-        return y, distance, np.asarray(score)
+        score = -0.5 * (self.noise.freedom + e.shape[1]) * np.log1p(distance / self.noise.freedom)
+        return np.swapaxes(G, 1, 2) @ x, distance, np.asarray(score - 0.5 * np.linalg.slogdet(S)[1])
 
     def _impossible(self, force: FloatArray, up: FloatArray, least: float) -> FloatArray:
         """Penalty of a force in base axes, (K, 2), below the least, or far outside the friction cone; up is (K, 2)."""
@@ -421,16 +423,16 @@ class ContactFilter:
         return np.asarray(np.clip(beyond / (2.0 * self.noise.force) - 1.0, 0.0, 20.0))
 
     @cached_property
-    def _weight(self) -> float:
+    def weight(self) -> float:
         """Weight of the machine [N], by the estimate where M is a parameter: links may weigh other than in the URDF."""
         known = dict(zip(self.model.names, self.values.tolist(), strict=True))
         return GRAVITY * float(known.get("M", sum(body.mass for body in self.model.leg.model.inertias)))
 
     @cached_property
-    def _prior(self) -> FloatArray:
+    def prior(self) -> FloatArray:
         """Standard deviations of forward and upward force [N] and of the moment about the middle of a sole [N·m]."""
         half = max(0.5 * float(np.ptp(sole.points @ self.axes[link][0, :3])) for link, sole in self.soles.items())
-        return np.array([0.2, 0.5, 0.5 * max(half, 0.01)]) * self._weight
+        return np.array([0.2, 0.5, 0.5 * max(half, 0.01)]) * self.weight
 
     @cached_property
     def axes(self) -> dict[str, FloatArray]:

@@ -240,7 +240,12 @@ class StanceLaw:
         Raises:
             ExoidError: The precision is single, or a term has no form in C.
         """
-        numbers: dict[str, tuple[ArrayLike, str]] = {
+        return stance_in_c(self.model, self.friction, self.rate, self.numbers, dialect)
+
+    @property
+    def numbers(self) -> dict[str, tuple[ArrayLike, str]]:
+        """Numbers of the law by their names in C, each with its comment."""
+        return {
             "kp": (self.kp, "gains of angles, of the pitch last [1/s^2]"),
             "kd": (self.kd, "gains of rates [1/s]"),
             "most": (self.limit, "largest torque [N m]"),
@@ -256,7 +261,6 @@ class StanceLaw:
             "least_share": (LEAST_SHARE, "least normal force beside others, over the weight and its share"),
             "largest_share": (LARGEST_SHARE, "largest force of a contact that bears all, over the weight"),
         }
-        return stance_in_c(self.model, self.friction, self.rate, numbers, dialect)
 
     def _setting(
         self, state: GroundState, shares: Mapping[str, float]

@@ -8,15 +8,31 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
-from exoid.control.functions import PHASE, SEAT, SIDES, Contacts, contact_name, joint_angles, legs_flexion, minimum_jerk
+from exoid._typing import ArrayLike, FloatArray
+from exoid.codegen import Dialect, LawInC
+from exoid.control.functions import (
+    FUNCTIONS,
+    PHASE,
+    SEAT,
+    SIDES,
+    Body,
+    Contacts,
+    contact_name,
+    joint_angles,
+    legs_flexion,
+    minimum_jerk,
+)
 from exoid.errors import BadArgumentError
+from exoid.estimate import Estimate
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.rig.ground import GroundMotion, GroundReading
+from exoid.rig.ground import GroundMotion, GroundReading, Sole
+from exoid.rig.ground.plant import SEAT as SEAT_SOLE
+from exoid.rig.ground.plant import soles_of
 
-from .coordinator import DAMPING, Coordinator, Decision
+from .coordination_in_c import coordinated_in_c
+from .coordinator import DAMPING, SAFE, Coordinator, Decision
 from .hypotheses import BLOCK, ContactFilter, ContactReadings
-from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw
+from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw, stance
 from .model import BASE, BRAKE
 
 BOUNCE = 0.02
@@ -140,7 +156,7 @@ class CoordinatedLoop(LawLoop):
         contacts: Filter of contacts, whose IMU is at the origin of the root link.
         coordinator: Coordinator; rates of controller, filter and coordinator are the same.
         requests: Function that the wearer asks for, by time [s].
-        start: Function at whose end the run begins, at rest on its contacts.
+        start: Function at whose end the run begins, at rest on its contacts; :data:`SAFE` for unknown contacts.
         lean: Angle by which the ground rises forward [rad], for contacts that are not flat.
         commands: What the law wanted at each sample, None where nothing bore load.
         decisions: Decision at each sample.
@@ -167,7 +183,8 @@ class CoordinatedLoop(LawLoop):
             raise BadArgumentError(f"requests of {unknown}, an IMU at {place} m", remedy="request functions, IMU at 0")
         self._links = {contact_name(leg, link): link for link in self.contacts.soles}
         self._memory = self.coordinator.begin(self.start, 1.0)
-        self._told = self.contacts.begin(self._links[name] for name in self._memory.known)
+        known = None if self.start == SAFE else [self._links[name] for name in self._memory.known]
+        self._told = self.contacts.begin(known)
         self._chances = self.contacts.chances(self._told.probability)
         self._wrench = np.zeros((len(self._links), 3))  # of each sole, at the last block
         self._waiting: list[tuple[FloatArray, ...]] = []  # samples since the last block
@@ -221,6 +238,55 @@ class CoordinatedLoop(LawLoop):
         given = self.coordinator.bound(self._memory, wanted, reading.v)
         self._held = self._held if torque is None else (given, reading.q)
         return given
+
+    @classmethod
+    def of(
+        cls,
+        estimate: Estimate,
+        soles: Mapping[str, Sole] | None = None,
+        *,
+        limit: ArrayLike | None = None,
+        rate: float = 500.0,
+    ) -> CoordinatedLoop:
+        """Make law, filter and coordinator of an estimate, for all functions of a wearer of the machine's lengths.
+
+        Args:
+            estimate: Estimate of a planar machine of two legs with a floating base.
+            soles: Soles of the feet, see :func:`exoid.control.stance`, and of the root link for a seat; None for the
+                built-in machines, with a seat.
+            limit: Largest torque [N·m], a number or (n,); None for the limits of the URDF.
+            rate: Rate of all parts [Hz].
+
+        Returns:
+            The loop, at rest on both feet.
+
+        Raises:
+            ExoidError: As for :func:`exoid.control.stance` and :meth:`ContactFilter.of`, or the legs have no functions.
+        """
+        own = (
+            {**soles_of(estimate.leg, None), estimate.leg.description.root_link: SEAT_SOLE} if soles is None else soles
+        )
+        law, body = stance(estimate, own, limit=limit, rate=rate), Body.of(estimate.leg, own)
+        functions = {name: make(body) for name, make in FUNCTIONS.items()}
+        contacts = ContactFilter.of(estimate, own, rate=rate)
+        return cls(law, contacts, Coordinator(functions, law.limit, rate=rate))
+
+    def in_c(self, dialect: Dialect) -> LawInC:
+        """Describe filter, coordinator and law in C: readings become contacts, function, shares and torque.
+
+        The caller gives the reference for function and phase of the last step, and says where the footing is lost
+        (``slips``) or a reading is made up (``broken``). While a reading is frozen, contacts are unknown.
+
+        Args:
+            dialect: Double precision.
+
+        Returns:
+            Description of inputs, tables and memory. It begins in the safe stop, whatever ``start`` is.
+
+        Raises:
+            ExoidError: The precision is single, law and filter have other soles, or a term has no form in C.
+        """
+        return coordinated_in_c(self.law, self.contacts, self.coordinator, dialect)
 
     def _hold(self, reading: GroundReading) -> FloatArray:
         """Torque without support: stiffly about the last posture with it; of damping where the footing was lost."""
