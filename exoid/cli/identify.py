@@ -65,17 +65,13 @@ class FitOptions(NamedTuple):
         }
 
 
-USUAL_FIT = FitOptions()
-"""The default fit."""
-
-
 @expand_options()
 def identify(
     leg: LegName,
     logs: LogNames,
     output: EstimateOutput = None,
     choice: LegOptions = ANY_LEG,
-    fit: FitOptions = USUAL_FIT,
+    fit: FitOptions = FitOptions(),  # noqa: B008 - a tuple does not change
     own: Annotated[Text, Option(metavar="A,B", help="Parameters of each log (offset, c0_hip); others shared.")] = None,
     test: Annotated[Texts, Option(metavar="LOG", help="Predict a log that is not fitted. Repeatable.")] = None,
     report: Report = None,

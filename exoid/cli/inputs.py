@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from exoid.signals import Recording, WrenchFrame
     from exoid.torques import Term
 
-OF_FILES = ("--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
-"""Options that have no effect on datasets."""
-
 
 def read_logs(names: Sequence[str], options: LogOptions, *, beside: Sequence[str] = ()) -> list[Recording]:
     """Read logs, or the parts of a built-in dataset; payloads may also name those ``beside``."""
@@ -43,7 +40,8 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         refuse({"--mask": options.mask}, f"{name} has no such column")
         payload = options.payload if _payloads_of(options.payload, name) else None
         wanted = given(options._replace(payload=payload))
-        refuse({option: wanted[option] for option in OF_FILES}, f"{name} is a dataset")
+        of_files = ("--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
+        refuse({option: wanted[option] for option in of_files}, f"{name} is a dataset")
         recording = dataset(base).train if part == "train" else dataset(base).test
     else:
         raise BadArgumentError(f"no log {name!r}", remedy=f"name {base}:train or {base}:test")

@@ -124,14 +124,15 @@ def _refuse_followers(urdf: Path, held: Sequence[str], moving: Sequence[str]) ->
 
 def refuse_without_base(options: LegOptions, recordings: Sequence[Recording | Poses]) -> None:
     """Refuse the rows of a base whose motion, or whose support, no recording has."""
-    logs = [each for each in recordings if isinstance(each, exoid.Recording)]
-    imu = "its columns are base_gyro_x to _z and base_acc_x to _z, or base_x to _z and base_qw to _qz"
-    if options.moving_base and not any(each.base or each.torso for each in logs):
-        raise BadArgumentError("--moving-base, but no log has the motion of the base", remedy=f"{imu}; or leave it out")
-    if options.floating_base and not any(each.contacts or each.wrenches for each in logs):
+    what, parts = "--moving-base, but no log has the motion of the base", ("base", "torso")
+    columns = "columns are base_gyro_x to _z and base_acc_x to _z, or base_x to _z and base_qw to _qz"
+    if options.floating_base:
         what = "--floating-base, but no log says what the leg stands on or hangs from"
-        remedy = "add columns contact_<foot> (0 or 1) or wrench_<link>_fx to _mz; or leave it out"
-        raise BadArgumentError(what, remedy=remedy)
+        columns, parts = "columns are contact_<foot> (0 or 1) or wrench_<link>_fx to _mz", ("contacts", "wrenches")
+    logs = (each for each in recordings if isinstance(each, exoid.Recording))  # one is in memory at a time
+    asked = options.moving_base or options.floating_base
+    if asked and not any(getattr(each, part) for each in logs for part in parts):
+        raise BadArgumentError(what, remedy=f"its {columns}; or leave it out")
 
 
 def _joint_order(urdf: Path) -> tuple[str, ...]:

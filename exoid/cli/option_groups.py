@@ -15,9 +15,6 @@ from typer.models import OptionInfo
 
 Verb = Callable[..., None]
 
-NOTHING: Mapping[str, Sequence[str]] = MappingProxyType({})
-"""No field."""
-
 ON_REQUEST = {"LogOptions": "log", "LimitOptions": "limits"}
 """Groups whose options --help leaves out: --help-log shows those of LogOptions."""
 
@@ -25,7 +22,7 @@ METAVARS: dict[Any, str] = {str: "NAME", str | None: "NAME", int: "N", int | Non
 """What help writes for a value of a type, where the option does not say it."""
 
 
-def expand_options(without: Mapping[str, Sequence[str]] = NOTHING) -> Callable[[Verb], Verb]:
+def expand_options(without: Mapping[str, Sequence[str]] = MappingProxyType({})) -> Callable[[Verb], Verb]:
     """Replace each parameter of a verb that is a named tuple by the fields of the tuple."""
 
     def decorate(verb: Verb) -> Verb:

@@ -171,6 +171,8 @@ def _files(output: str, labels: Sequence[str]) -> list[Path]:
     path = Path(output)
     if path.suffix != ".csv":
         raise BadArgumentError("a plan in no table", file=output, remedy="name the file .csv")
+    if len(set(labels)) < len(labels):
+        raise BadArgumentError(f"motions {', '.join(labels)}, of which two are one", remedy="give each once")
     return [path.with_name(f"{path.stem}_{label}.csv") if len(labels) > 1 else path for label in labels]
 
 

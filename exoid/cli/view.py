@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,7 +35,9 @@ def view(
     log: Annotated[Text, Option(metavar="LOG", help="Replay it: a CSV file, or name:test.")] = None,
     html: Annotated[Text, Option(metavar="FILE", help="Write one self-contained page instead.")] = None,
     choice: LegOptions = ANY_LEG,
-    pose_deg: Annotated[Texts, Option("--pose", metavar="JOINT=DEG", help="Angle of a joint. Repeatable.")] = None,
+    pose_deg: Annotated[
+        Texts, Option("--pose", metavar="JOINT=DEG", help="Angle, or mm of a slide. Repeatable.")
+    ] = None,
     meshes: Annotated[Text, Option(metavar="DIR", help="Folder of the URDF's meshes.")] = None,
     port: Annotated[int | None, Option(metavar="N", help="Port to listen on; 0 for any free one.")] = None,
     browser: Annotated[bool, Option("--open/--no-browser", help="Open a browser.")] = True,
@@ -47,6 +48,8 @@ def view(
 
     Example: exoid view bleex --log bleex_swing:test --html leg.html
     """
+    from exoid.experiments.limits import position_units  # noqa: PLC0415 - help needs no arrays
+
     if html is not None:
         refuse({"--port": port}, "--html serves nothing")
     if log is None:
@@ -58,12 +61,13 @@ def view(
         reading = with_remembered(reading, exoid.Estimate.load(leg), leg, [log])
     recording = None if log is None else read_logs([log], reading)[0]
     shown, identified = _shown(leg, choice, () if recording is None else recording.joint_names)
+    pose = values_by_name(pose_deg, "--pose", float, "JOINT=DEGREES, e.g. --pose left_knee=-40")
+    legs = [each.model.leg if isinstance(each, exoid.Estimate) else each for each in shown]
+    sizes = {name: unit.size for leg in legs for name, unit in zip(leg.joint_names, position_units(leg), strict=True)}
     with status("drawing"):
         drawn = exoid.view.scene(
             *shown,
-            pose=values_by_name(
-                pose_deg, "--pose", lambda text: math.radians(float(text)), "JOINT=DEGREES, e.g. --pose left_knee=-40"
-            ),
+            pose={joint: x * sizes.get(joint, 1.0) for joint, x in pose.items()},
             recording=None if recording is None else _with_torque(recording, shown[0], reading),
             identified=identified,
             meshes=Path(leg).parent if meshes is None else meshes,

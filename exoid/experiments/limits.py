@@ -27,6 +27,13 @@ class PositionUnit(NamedTuple):
     size: float  # how large it is [rad or m]
     name: str  # as it follows a number
 
+    @property
+    def axes(self) -> dict[str, str]:
+        """Quantities of the joint with their units, as axes of figures name them."""
+        if self.name == "°":
+            return {"angle": "angle [deg]", "velocity": "velocity [rad/s]", "torque": "torque [N·m]"}
+        return {"angle": "position [mm]", "velocity": "velocity [m/s]", "torque": "force [N]"}
+
     def show(self, position: float) -> str:
         """Write a position."""
         return f"{position / self.size:.1f}{self.name}"

@@ -7,7 +7,6 @@ import pinocchio as pin
 
 from exoid._typing import FloatArray
 
-from .base_kinematics import BaseKinematics
 from .reduction import Plane
 
 FREE_ROWS = ("base_fx", "base_fy", "base_fz", "base_mx", "base_my", "base_mz")
@@ -32,12 +31,6 @@ def planar_coordinates(plane: Plane, hip: FloatArray) -> FloatArray:
     pitch = -plane.lateral
     columns = [np.r_[plane.forward, 0, 0, 0], np.r_[plane.up, 0, 0, 0], np.r_[-np.cross(pitch, hip), pitch]]
     return np.column_stack(columns)
-
-
-def rest(gravity: FloatArray, count: int) -> BaseKinematics:
-    """Motion of a base that stands upright and still."""
-    still = np.zeros((count, 3))
-    return BaseKinematics(still, still, np.tile(-gravity, (count, 1)))
 
 
 def project_columns(matrix: FloatArray, coordinates: FloatArray) -> FloatArray:

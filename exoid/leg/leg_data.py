@@ -16,7 +16,7 @@ from exoid.errors import BadArgumentError, NotSupportedError
 from .base_kinematics import BaseKinematics
 from .closure import Closure, TreeMotion
 from .description import Description
-from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates, rest
+from .floating_base import FREE_ROWS, free_flyer_model, planar_coordinates
 from .model import dynamic_parameters, position_limits
 from .reduction import Plane
 from .reduction.planar import PlanarChain
@@ -317,8 +317,9 @@ class LegData:
         return np.eye(6) if self.machine is None else planar_coordinates(self.plane, self.hip)
 
     def _base(self, torso: MovingBase | None, count: int) -> BaseKinematics:
-        if torso is None:
-            return rest(self.model.gravity.linear, count)
+        if torso is None:  # upright and still
+            still = np.zeros((count, 3))
+            return BaseKinematics(still, still, np.tile(-self.model.gravity.linear, (count, 1)))
         return base_kinematics(torso, count, self.plane, self.hip)
 
 

@@ -17,9 +17,6 @@ from .base_pose import POSE_COLUMNS, BasePose, continuous, refuse_jumps, twice_i
 from .differentiation import difference, smooth_motion
 from .timebase import Sampled
 
-STANDARD_CUTOFF = 10.0
-"""Default cut-off frequency of poses [Hz], above that of the filter that a recording passes later."""
-
 BASE_COLUMNS = ("base_gyro_x", "base_gyro_y", "base_gyro_z", "base_acc_x", "base_acc_y", "base_acc_z")
 """Columns of a log: angular velocity [rad/s] and specific force [m/s²] in the axes of the base."""
 
@@ -127,7 +124,7 @@ class BaseMotion(Sampled):
         quaternion: ArrayLike,
         time: ArrayLike,
         *,
-        cutoff: float = STANDARD_CUTOFF,
+        cutoff: float = 10.0,
         at: ArrayLike = (0.0, 0.0, 0.0),
     ) -> BaseMotion:
         """Derive the motion of the base from poses, such as those of motion capture.
@@ -141,7 +138,7 @@ class BaseMotion(Sampled):
                 See :func:`exoid.signals.turn_upright` for other laboratories.
             quaternion: Orientation (x, y, z, w): laboratory from root link, (N, 4), of norm 1.
             time: Time stamps [s], (N,), evenly spaced.
-            cutoff: −3 dB frequency of the low-pass [Hz].
+            cutoff: −3 dB frequency of the low-pass [Hz], above that of the filter that a recording passes later.
             at: Position of the tracked point in the axes of the root link [m], (3,).
 
         Returns:
@@ -163,9 +160,9 @@ class BaseMotion(Sampled):
             raise BadArgumentError(
                 "time stamps of the poses are uneven", remedy="resample the poses, as motion capture does"
             )
-        refuse_jumps(stamps, points, continuous(turns))
-        rate = timebase.sampling_rate(stamps)
-        place, h = np.hsplit(smooth_motion(np.hstack([points, continuous(turns)]), rate, cutoff), [3])
+        unit, rate = continuous(turns), timebase.sampling_rate(stamps)
+        refuse_jumps(stamps, points, unit)
+        place, h = np.hsplit(smooth_motion(np.hstack([points, unit]), rate, cutoff), [3])
         h = h / np.linalg.norm(h, axis=1, keepdims=True)
         acceleration = difference(place, rate, 2, 4)
         if np.sqrt(np.mean(np.sum(acceleration**2, axis=1))) > 100.0:  # root mean square [m/s²]

@@ -10,7 +10,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 
-from .quantities import is_unit, refuse_other_unit
+from .quantities import is_number, is_unit, refuse_other_unit
 
 SYNTAX = "write NAME=HEADER, NAME=HEADER:SCALE, NAME=HEADER:SCALE:ZERO, and :UNIT behind them"
 
@@ -70,7 +70,7 @@ class Column:
             before, _, part = header.rpartition(":")
             if unit is None and is_unit(part):
                 unit = part.strip()
-            elif len(numbers) < 2 and _is_number(part):
+            elif len(numbers) < 2 and is_number(part):
                 numbers.insert(0, float(part))
             else:
                 break
@@ -100,11 +100,3 @@ class Column:
     def is_plain(self) -> bool:
         """Whether cells are taken as they are."""
         return self.unit is None and self.scale == 1.0 and self.zero == 0.0
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -92,7 +92,8 @@ def acceleration_power(recording: Recording | Poses, *, base_rows: bool = False)
     """Compute noise and signal power of the acceleration of a recording."""
     if isinstance(recording, Poses):
         return None
-    even, rate = recording.resampled(), recording.resampled().sample_rate
+    even = recording.resampled()
+    rate = even.sample_rate
     if recording.a is not None:
         nothing = np.zeros((len(CUTOFFS), len(recording.joint_names) + 3))
         return AccelerationPower(nothing, nothing, np.zeros((2, len(FAST), len(nothing[0]) - 3)), len(even), rate)

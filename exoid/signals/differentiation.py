@@ -13,11 +13,10 @@ from exoid.errors import UnreadableInputError
 
 from .filters.low_pass import TOLERANCE, both_passes, edge_length
 
-Order = Literal[1, 2]
 Accuracy = Literal[2, 4]
 
 
-STENCILS: dict[tuple[Order, Accuracy], tuple[FloatArray, FloatArray]] = {
+STENCILS: dict[tuple[Literal[1, 2], Accuracy], tuple[FloatArray, FloatArray]] = {
     (1, 2): (np.array([-1, 0, 1]) / 2, np.array([[-3, 4, -1]]) / 2),
     (1, 4): (np.array([1, -8, 0, 8, -1]) / 12, np.array([[-25, 48, -36, 16, -3], [-3, -10, 18, -6, 1]]) / 12),
     (2, 2): (np.array([1.0, -2.0, 1.0]), np.array([[2.0, -5.0, 4.0, -1.0]])),
@@ -100,7 +99,7 @@ def _continuation(window: int, length: int) -> FloatArray:
     return weights
 
 
-def difference(x: FloatArray, rate: float, order: Order, accuracy: Accuracy = 2) -> FloatArray:
+def difference(x: FloatArray, rate: float, order: Literal[1, 2], accuracy: Accuracy = 2) -> FloatArray:
     """Compute the first or second derivative by central differences (doc. 1, sec. III-B), one-sided at the ends."""
     # On a sine of ω the relative error of the first derivative is (ω dt)²/6, or (ω dt)⁴/30 over five points; that of
     # the second is (ω dt)²/12, or (ω dt)⁴/90. The weights at the far end are those of the near end reversed.

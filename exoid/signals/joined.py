@@ -17,6 +17,7 @@ from .column import Column
 from .filters.low_pass import zero_phase
 from .readers import Table
 from .readers.formats import open_table
+from .readers.text import SAID
 from .source import Source, SourceLocation
 
 
@@ -80,10 +81,19 @@ def join(first: Table, paths: Sequence[str | os.PathLike[str]], stamps: Column) 
                 values = table.numbers(names)
                 checks.refuse_not_finite(values, names, SourceLocation(table.lines, {}, table.row_name))
                 out[:, here] = values_at(time, values, shared, smooth=True)
+                for k, column in zip(here, values.T, strict=True):
+                    if np.isin(column, (0.0, 1.0)).all():  # a switch or a mask
+                        out[:, k] = timebase.interpolate_mask(time, column != 0.0, shared)
         return out
+
+    def said(word: str) -> tuple[str, ...]:
+        """Lines above the data of all files; those of the first are last, and count where others contradict them."""
+        own = first.said.get(word, ())
+        return (*(line for table, _ in others for line in table.said.get(word, ()) if line not in own), *own)
 
     listed = "".join(f"{table.source.sha256}  {table.source.name}\n" for table in tables)
     names = " + ".join(table.source.name for table in tables)
+    home = {name: table for table in reversed(tables) for name in table.header}
     return replace(
         first,
         source=Source(names, hashlib.sha256(listed.encode()).hexdigest()),
@@ -91,6 +101,8 @@ def join(first: Table, paths: Sequence[str | os.PathLike[str]], stamps: Column) 
         numbers=numbers,
         length=len(shared),
         lines=None if first.lines is None else first.lines[rows],
+        in_degrees=frozenset(name for name, table in home.items() if name in table.in_degrees),
+        said={word: said(word) for word in SAID},
     )
 
 

@@ -63,7 +63,21 @@ def link_placement(leg: Leg, recording: Recording, link: str) -> SegmentPlacemen
     """
     names = leg.joint_names if set(leg.joint_names) <= set(recording.joint_names) else leg.joint_labels
     inside = link_placements(leg, recording.select(names).q, link)
-    rotation, translation = _root_placement(leg, recording)
+    rotation, translation = np.eye(3), np.zeros(3)  # of the root link
+    if recording.base is not None:
+        if recording.base.pose is None:
+            raise NotSupportedError(
+                "the pose of the base is not known: an IMU does not measure it",
+                where=recording.file_name,
+                remedy="record it, exoid.BaseMotion.from_pose(...) or from_imu(..., pose=exoid.BasePose(...))",
+                command="add the columns base_x…z, base_qx…w of a pose",
+            )
+        rotation, translation = recording.base.pose.rotation, recording.base.pose.position
+    elif recording.torso is not None:  # the tilted torso is where it puts the first joint
+        zero = np.zeros((1, len(leg.joint_names)))
+        tilted, upright = (leg.forward_kinematics(zero, torso) for torso in (recording.torso, None))
+        rotation = tilted.rotation[0, 0] @ upright.rotation[0, 0].T
+        translation = tilted.translation[0, 0] - rotation @ upright.translation[0, 0]
     place = translation + (rotation @ inside.translation[..., np.newaxis])[..., 0]
     return SegmentPlacements(rotation @ inside.rotation, place)
 
@@ -90,22 +104,3 @@ def wrenches_on_links(leg: Leg, recording: Recording) -> dict[str, Wrench]:
             force, moment = (np.einsum("nji,nj->ni", rotation, x) for x in (moved.force, moved.moment))
             found[link] = Wrench(force, moment)
     return found
-
-
-def _root_placement(leg: Leg, recording: Recording) -> tuple[FloatArray, FloatArray]:
-    """Rotation and position of the root link in the laboratory: (N, 3, 3) and (N, 3), or (3, 3) and (3,) at rest."""
-    if recording.base is not None:
-        if recording.base.pose is None:
-            raise NotSupportedError(
-                "the pose of the base is not known: an IMU does not measure it",
-                where=recording.file_name,
-                remedy="record it, exoid.BaseMotion.from_pose(...) or from_imu(..., pose=exoid.BasePose(...))",
-                command="add the columns base_x…z, base_qx…w of a pose",
-            )
-        return recording.base.pose.rotation, recording.base.pose.position
-    if recording.torso is None:
-        return np.eye(3), np.zeros(3)
-    zero = np.zeros((1, len(leg.joint_names)))  # the tilted torso is where it puts the first joint
-    (tilted, upright) = (leg.forward_kinematics(zero, torso) for torso in (recording.torso, None))
-    rotation = tilted.rotation[0, 0] @ upright.rotation[0, 0].T
-    return rotation, tilted.translation[0, 0] - rotation @ upright.translation[0, 0]

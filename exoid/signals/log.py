@@ -15,7 +15,7 @@ from exoid.leg.payload import Payload, as_payloads
 
 from . import checks, timebase
 from .base_motion import BASE_COLUMNS
-from .base_pose import POSE_COLUMNS
+from .base_pose import POSE_COLUMNS, continuous
 from .column import Column
 from .log_parts import is_external, matrix_headers, part_columns, read_base, read_external
 from .quantities import QUANTITIES, refuse_silent_unit
@@ -41,8 +41,7 @@ def read_log(
     names = ("time", *(name for of_quantity in of_joints.values() for name in of_quantity), *of_base, *of_links)
     where = SourceLocation(table.lines, headers, table.row_name)
     checks.refuse_too_few(len(table), where)
-    degrees = options.get("angle_unit") == "deg" or table.in_degrees
-    numbers = _numbers(table, names, headers, columns, degrees)
+    numbers = _numbers(table, names, headers, columns, options.get("angle_unit") == "deg")
     missing = np.array([name.startswith(PARTIAL) for name in names]) & np.isnan(numbers).all(axis=0)
     kept = tuple(name for name, is_missing in zip(names, missing, strict=True) if not is_missing)
     checks.refuse_not_finite(numbers[:, ~missing], kept, where)
@@ -84,6 +83,9 @@ def _split_at_gaps(
     time: FloatArray, found: dict[str, FloatArray], mask: BoolArray | None
 ) -> tuple[FloatArray, dict[str, FloatArray], BoolArray | None]:
     """Fill gaps with rows that do not count."""
+    # q and −q are one orientation: no way leads from one to the other
+    if turns := [found[name] for name in POSE_COLUMNS[3:] if name in found]:
+        found = {**found, **dict(zip(POSE_COLUMNS[3:], continuous(np.column_stack(turns)).T, strict=True))}
     table, counted = timebase.split_at_gaps(np.column_stack(list(found.values())))
     if counted.all():
         return time, found, mask
@@ -218,12 +220,13 @@ def _numbers(
     numbers = numbers if numbers.flags.writeable else numbers.copy()
     for place, name in enumerate(names):
         column = given.get(name) or Column(headers[name])
+        said = column.header in table.in_degrees
         if column.is_plain and name in given:
-            refuse_silent_unit(column.header, name, degrees=degrees)
+            refuse_silent_unit(column.header, name, degrees=degrees or said)
         if not column.is_plain:
             numbers[:, place] = column.read(name, numbers[:, place])
-        is_in_m = table.in_degrees and column.header.removesuffix("/value").endswith(TRANSLATIONS)
-        if degrees and column.unit is None and name.startswith(ANGULAR) and not is_in_m:
+        is_in_m = said and column.header.removesuffix("/value").endswith(TRANSLATIONS)
+        if (degrees or said) and column.unit is None and name.startswith(ANGULAR) and not is_in_m:
             numbers[:, place] = np.deg2rad(numbers[:, place])
     return numbers
 

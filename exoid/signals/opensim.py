@@ -76,6 +76,8 @@ def read_opensim(
             "forces and links belong together",
             remedy='say which link stands on each plate: forces="grf.mot", links={"1": "right_foot"}',
         )
+    given = (columns or {}).get("time", "time")
+    stamps = Column(given) if isinstance(given, str) else given  # of all files: their clock is the same
     table, place = None, None
     if pelvis and kind_of(Path(path)) in ("mot", "sto"):
         with in_file(os.fsdecode(path)):
@@ -85,31 +87,34 @@ def read_opensim(
     recording = Recording.from_file(path, joint_names, columns, **options)
     if table is not None and place is not None and recording.base is None:
         with in_file(os.fsdecode(path)):
-            base = read_pelvis(table, recording, place, split=options.get("gaps") == "split")
+            base = read_pelvis(table, recording, place, stamps, split=options.get("gaps") == "split")
             recording = replace(recording, base=base)
     if forces is not None and links:
-        recording = read_opensim_forces(forces).attached_to(recording, links)
+        found = read_opensim_forces(forces)
+        recording = replace(found, time=stamps.read("time", found.time)).attached_to(recording, links)
     return recording
 
 
-def read_pelvis(table: Table, recording: Recording, place: Sequence[float], *, split: bool) -> BaseMotion:
+def read_pelvis(
+    table: Table, recording: Recording, place: Sequence[float], stamps: Column, *, split: bool
+) -> BaseMotion:
     """Read the motion of a base with the pelvis; that of a planar model neither lists, rotates nor goes sideways."""
     # With tilt α, list β and rotation γ of gait2392 and its successors, in OpenSim's axes (x forward, y up, z right),
     # R = Rz(α) Rx(β) Ry(γ).
-    names = PELVIS_TURNS + PELVIS_PLACES
-    absent = [name for name in ("time", *names) if name not in table.header]
+    names = (stamps.header, *PELVIS_TURNS, *PELVIS_PLACES)
+    absent = [name for name in names if name not in table.header]
     if absent and sorted(absent) != ["pelvis_list", "pelvis_rotation", "pelvis_tz"]:  # those of a planar model
         raise UnreadableInputError(
             f"no column {', '.join(map(repr, absent))}, but others of the pelvis",
             remedy="export all six (of a planar model pelvis_tilt, pelvis_tx and pelvis_ty), or pass pelvis=False",
             command="export all six (of a planar model pelvis_tilt, pelvis_tx and pelvis_ty), or delete the others",
         )
-    there = [name for name in ("time", *names) if name in table.header]
+    there = [name for name in names if name in table.header]
     numbers = np.zeros((len(table), 7))
-    numbers[:, [("time", *names).index(name) for name in there]] = table.numbers(there)
-    numbers = in_order(numbers, ("time", *names), table, split=split)
-    degrees = table.in_degrees
-    time, position = numbers[:, 0], numbers[:, 4:]
+    numbers[:, [names.index(name) for name in there]] = table.numbers(there)
+    numbers[:, 0] = stamps.read("time", numbers[:, 0])
+    numbers = in_order(numbers, names, table, split=split)
+    time, position, degrees = numbers[:, 0], numbers[:, 4:], PELVIS_TURNS[0] in table.in_degrees
     turns = scipy.spatial.transform.Rotation.from_euler("ZXY", numbers[:, 1:4], degrees=degrees)
     upright = scipy.spatial.transform.Rotation.from_matrix(turn_upright(np.array(UP)))
     position, rotation = upright.apply(position), upright * turns * upright.inv()

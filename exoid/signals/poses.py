@@ -8,6 +8,7 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.leg.payload import Payload, as_payloads
 from exoid.leg.torso import TorsoMotion
 
@@ -28,7 +29,7 @@ class Poses:
         payloads: Payloads that were on the leg.
 
     Raises:
-        ExoidError: Shapes do not fit, or a value is not finite.
+        ExoidError: Shapes do not fit, a value is not finite, or angles look like degrees.
 
     Example:
         >>> Poses(q=[[0.1, -0.5], [0.3, -0.2]], tau=[[5.0, 1.2], [9.1, 0.4]], joint_names=("hip", "knee"))
@@ -43,14 +44,17 @@ class Poses:
     payloads: tuple[Payload, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "joint_names", tuple(self.joint_names))
+        object.__setattr__(self, "joint_names", checks.as_names(self.joint_names, "joint_names"))
         object.__setattr__(self, "payloads", as_payloads(self.payloads))
         shape = (len(self.q) if np.ndim(self.q) else 0, len(self.joint_names))
         for name in ("q", "tau"):
             array = checks.as_numbers(getattr(self, name), name)
+            columns = [f"{name}_{joint}" for joint in self.joint_names]
             checks.refuse_shape(array, shape, name)
-            checks.refuse_not_finite(array, [f"{name}_{joint}" for joint in self.joint_names])
+            checks.refuse_not_finite(array, columns)
+            checks.refuse_implausible(name, array, columns)
             object.__setattr__(self, name, array)
+        checks.refuse_degrees(self.q, [f"q_{joint}" for joint in self.joint_names], LARGEST_ANGLE)
 
     def __len__(self) -> int:
         return len(self.q)
@@ -128,8 +132,7 @@ class Approaches:
     def averaged(self) -> Poses:
         """Mean of both torques, in which static friction cancels if both are within its band."""
         below, above = self.below, self.above
-        tau = 0.5 * (below.tau + above.tau)
-        return replace(below, q=0.5 * (below.q + above.q), tau=tau)
+        return replace(below, q=0.5 * (below.q + above.q), tau=0.5 * (below.tau + above.tau))
 
     @property
     def band(self) -> FloatArray:

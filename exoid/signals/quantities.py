@@ -89,6 +89,15 @@ def is_unit(text: str) -> bool:
     return any(factor_of(text, quantity) is not None for quantity in FACTORS)
 
 
+def is_number(text: str) -> bool:
+    """Tell whether a text is a number as logs write them, NaN and infinity too, without Python's underscores."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return text.isascii() and "_" not in text
+
+
 def quantity_of(name: str) -> str:
     """Find the quantity of an exoid column."""
     if name.startswith("base_"):

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 
 from exoid.experiments.excitation import Plan
 from exoid.experiments.excitation.precision import Precision
+from exoid.experiments.limits import position_units
 from exoid.regression.diagnostics import WEAKLY, WELL
 
 from .colours import MEASURED, RESIDUAL, joint_colour
@@ -18,19 +19,20 @@ MARKERS = {"well": ("o", MEASURED), "weakly": ("o", "none"), "not": ("x", MEASUR
 """Marker and its filling for each class of identifiability."""
 
 
-def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) -> Sequence[Axes]:
-    """Plot angles, velocities and expected torques of one period of a plan, with limits as dotted lines."""
-    recording = plan.recordings[motion]
-    shown = recording.time <= plan.motions[motion].period + 1e-9
-    limits = plan.limits
+def plot_planned_motion(axes: Sequence[Axes], plan: Plan) -> Sequence[Axes]:
+    """Plot angles, velocities and expected torques of the first period of a plan, with limits as dotted lines."""
+    recording, limits = plan.recordings[0], plan.limits
+    shown = recording.time <= plan.motions[0].period + 1e-9
     v, tau = recording.v, recording.tau
     assert v is not None and tau is not None  # noqa: PT018 - a plan's recordings have both
+    units = position_units(plan.model.leg)
+    sizes = np.array([unit.size for unit in units])
     quantities = (
-        ("angle [deg]", np.rad2deg(recording.q), np.rad2deg(limits.lower), np.rad2deg(limits.upper)),
-        ("velocity [rad/s]", v, -limits.velocity, limits.velocity),
-        ("torque [N·m]", tau, -limits.torque, limits.torque),
+        (recording.q / sizes, limits.lower / sizes, limits.upper / sizes),
+        (v, -limits.velocity, limits.velocity),
+        (tau, -limits.torque, limits.torque),
     )
-    for ax, (_, values, lower, upper) in zip(axes, quantities, strict=True):
+    for ax, (values, lower, upper) in zip(axes, quantities, strict=True):
         for joint, name in enumerate(plan.model.leg.joint_labels):
             ax.plot(recording.time[shown], values[shown, joint], color=joint_colour(joint), label=name)
         bottom, top = ax.get_ylim()
@@ -40,7 +42,8 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan, *, motion: int = 0) ->
                 if bottom - margin <= limit <= top + margin:
                     ax.axhline(limit, color=joint_colour(joint), lw=0.7, ls=":")
     axes[0].plot([], [], color=MEASURED, lw=0.7, ls=":", label="limits")
-    return decorate_column(axes, [label for label, *_ in quantities])
+    kinds = dict.fromkeys(tuple(unit.axes.items()) for unit in units)  # of joints that turn, and of slides
+    return decorate_column(axes, [", ".join(name for _, name in each) for each in zip(*kinds, strict=True)])
 
 
 def plot_precision(ax: Axes, precision: Precision) -> Axes:

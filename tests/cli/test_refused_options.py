@@ -33,6 +33,7 @@ REFUSED = {
         (f"cuhk --angles hip=40:50 --torque 5 {SHORT}", "no motion was found"),
         ("cuhk --assess slow.csv -o plan.csv", "-o has no effect"),
         (f"cuhk -o plan.txt {SHORT}", "name the file .csv"),
+        (f"cuhk -o plan.csv --tilts 5,5 {SHORT}", "two are one"),
         ("cuhk --stance both", "one sole"),
         ("bleex --stance tail", "choose among both, left, right"),
         ("bleex --stance left --tilts 10", "--tilts has no effect"),

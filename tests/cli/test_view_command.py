@@ -42,6 +42,14 @@ def test_an_estimate_replays_a_log(view):
     assert {"identified inertia", "measured torque"} <= set(labels())
 
 
+def test_a_slide_is_posed_in_mm(view):
+    urdf = Path("leg.urdf").read_text(encoding="utf-8").replace("revolute", "prismatic")
+    Path("slide.urdf").write_text(urdf, encoding="utf-8")
+    assert view("slide.urdf", "--joints", "left_knee", "--pose", "left_knee=100", "--html", "leg.html").code == 0
+    (moved,) = [each["matrix"] for each in page()["commands"] if each["path"].endswith("left_knee/body")]
+    assert sum(x * x for x in moved[12:15]) == pytest.approx(0.1**2)
+
+
 @pytest.mark.parametrize("as_json", [False, True])
 def test_the_address_is_printed_and_a_browser_opened(view, monkeypatch, as_json):
     opened = []

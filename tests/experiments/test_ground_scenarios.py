@@ -92,13 +92,6 @@ def test_a_walking_machine_walks(walk):
 
 
 @pytest.mark.slow
-def test_the_seed_changes_the_motion_and_the_same_seed_does_not():
-    first, same, other = (swing(EXO, 1.0, seed=seed) for seed in (0, 0, 1))
-    assert first.q.tobytes() == same.q.tobytes()
-    assert np.abs(first.q - other.q).max() > 0.05
-
-
-@pytest.mark.slow
 def test_a_swing_log_gives_the_true_parameters_of_a_leg(leg):
     """Base motion, filters and friction of the log are those that identification expects."""
     log = replace(swing(EXO, 12.0).recording(seed=1), wrenches={}, contacts={}).select(leg.joint_names)

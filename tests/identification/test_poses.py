@@ -25,6 +25,7 @@ REFUSED = {
     "one pose": lambda: Poses(Q[0], Q, NAMES),
     "ragged": lambda: Poses(Q, [[1.0, 2.0], [3.0], [4.0, 5.0]], NAMES),
     "text": lambda: Poses(Q, [["a", "b"]] * 3, NAMES),
+    "degrees": lambda: Poses(np.rad2deg(Q), Q, NAMES),
     "missing torque": lambda: Poses(Q, np.where(Q > 0.5, np.nan, Q), NAMES),
     "approaches of other poses": lambda: Approaches(Poses(Q, Q, NAMES), Poses(Q[:2], Q[:2], NAMES)),
     "approaches of other joints": lambda: Approaches(Poses(Q, Q, NAMES), Poses(Q, Q, NAMES[::-1])),

@@ -55,6 +55,17 @@ def test_the_mask_and_the_contacts_of_a_log_are_carried_over(tmp_path):
     np.testing.assert_array_equal(log.q[log.mask, 0], np.sin(log.time[log.mask]))
 
 
+def test_quaternions_whose_sign_changes_in_a_gap_are_one_motion(tmp_path):
+    """Motion capture begins again with either sign; the log was refused for a norm of 0.04."""
+    time = np.delete(np.arange(600) / 100.0, slice(200, 250))
+    half, sign = 0.1 * np.sin(time), np.where(time > 2.2, -1.0, 1.0)
+    header = "time,q_knee,base_x,base_y,base_z,base_qx,base_qy,base_qz,base_qw"
+    table = np.column_stack([time, time, np.zeros((len(time), 5)), sign * np.sin(half), sign * np.cos(half)])
+    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=header, comments="")
+    log = Recording.from_file(tmp_path / "log.csv", gaps="split")
+    np.testing.assert_allclose(log.base.pose.quaternion[:, 2], np.sin(0.1 * np.sin(log.time)), atol=1e-3)
+
+
 def test_without_the_option_both_are_refused_and_what_is_no_log_is_refused_with_it(tmp_path, swing):
     time = swing.time - swing.time[0]
     for rows, repeated, what in ((abs(time - 5.0) > 0.5, (), "a gap of"), (time > -1.0, (7,), "time is repeated")):

@@ -70,6 +70,25 @@ def test_any_wrenches_and_contacts_read_back_exactly(tmp_path_factory, acting, c
     same(Recording.from_csv(path, resample=False), before)
 
 
+def test_lines_above_a_second_file_say_the_axes_and_payloads_that_it_has(tmp_path):
+    """Wrenches of the laboratory in a file beside the log were read in axes of the link."""
+    acting, weight = {"foot": Wrench(FORCE, MOMENT, (0.1, 0.0, 0.2), "world")}, exoid.Payload("knee", 3.0)
+    recording().to_csv(tmp_path / "log.csv")
+    dataclasses.replace(recording(acting), payloads=(weight,)).to_csv(tmp_path / "plate.csv")
+    log = Recording.from_csv(tmp_path / "log.csv", beside=[tmp_path / "plate.csv"])
+    same(log, recording(acting))
+    assert log.payloads == (weight,)
+
+
+def test_switches_in_a_file_of_another_rate_stay_switches(tmp_path):
+    """They passed a low-pass and were refused as values other than 0 and 1."""
+    recording().to_csv(tmp_path / "log.csv")
+    fast = np.arange(5 * N) / 250.0
+    write_columns(tmp_path / "switches.csv", time=fast, contact_foot=1.0 * (fast > 0.3))
+    log = Recording.from_csv(tmp_path / "log.csv", beside=[tmp_path / "switches.csv"])
+    np.testing.assert_array_equal(log.contacts["foot"], TIME > 0.3)
+
+
 def test_a_pose_beside_an_imu_reads_back_exactly(tmp_path):
     walked = Walk(exoid.load_leg("cuhk"), seconds=12.0, sideways=0.2)
     position, turn = walked.pose

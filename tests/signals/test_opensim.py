@@ -8,7 +8,7 @@ from log_writers import write_opensim
 import exoid
 from exoid import ExoidError, Recording
 from exoid.leg.catalog import urdf_folder
-from exoid.signals import read_opensim, read_opensim_forces, wrenches_on_links
+from exoid.signals import Column, read_opensim, read_opensim_forces, wrenches_on_links
 
 TIME = np.arange(200) / 100.0
 ANGLE = 30.0 * np.sin(TIME)
@@ -205,8 +205,23 @@ def test_a_trial_has_angles_the_motion_of_the_pelvis_and_wrenches(tmp_path):
     np.testing.assert_allclose(recording.base.specific_force, np.tile([0.0, 0.0, 9.81], (200, 1)), atol=1e-6)
     np.testing.assert_allclose(recording.base.pose.position, np.tile([0.3, -0.1, 0.9], (200, 1)), atol=1e-9)
     assert recording.wrenches["right_foot"].axes == "world"
+    columns = {"q_knee": "knee_angle_r", "time": Column("time", zero=0.5)}  # one clock, for all files
+    later = read_opensim(tmp_path / "ik.mot", columns, forces=tmp_path / "grf.mot", links={"1": "right_foot"})
+    np.testing.assert_allclose(later.base.pose.columns, recording.base.pose.columns, atol=1e-12)
+    for one, other in zip(later.wrenches.values(), recording.wrenches.values(), strict=True):
+        np.testing.assert_allclose(one.columns, other.columns, atol=1e-6)
     still = read_opensim(tmp_path / "ik.mot", {"q_knee": "knee_angle_r"}, pelvis=False)
     assert still.base is None
+
+
+def test_each_file_of_a_trial_says_the_unit_of_its_angles(tmp_path):
+    """Accelerations in rad/s² beside angles in degrees were 57 times too small, in silence."""
+    write_opensim(tmp_path / "ik.mot", TIME, {"knee": ANGLE}, degrees=True)
+    write_opensim(tmp_path / "acc.sto", TIME, {"knee_acc": ANGLE})
+    for first, other in (("ik.mot", "acc.sto"), ("acc.sto", "ik.mot")):
+        columns = {"q_knee": "knee", "a_knee": "knee_acc"}
+        log = Recording.from_file(tmp_path / first, columns=columns, beside=[tmp_path / other])
+        np.testing.assert_allclose(np.hstack([log.q, log.a]), np.column_stack([np.deg2rad(ANGLE), ANGLE]), rtol=1e-12)
 
 
 def test_ground_forces_reach_the_foot_through_pelvis_and_joints(tmp_path):

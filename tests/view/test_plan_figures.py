@@ -14,8 +14,22 @@ LEG = exoid.load_leg("cuhk")
 
 @pytest.fixture(scope="module")
 def plan():
-    limits = MotionLimits.of(LEG, velocity=1.5)
-    return plan_excitation(LEG, noise=0.3, duration=12.0, highest=0.5, starts=1, criterion="d", limits=limits)
+    return planned(LEG)
+
+
+def planned(leg, **angles):
+    limits = MotionLimits.of(leg, velocity=1.5, angles_deg=angles)
+    return plan_excitation(leg, noise=0.3, duration=12.0, highest=0.5, starts=1, criterion="d", limits=limits)
+
+
+def test_positions_of_a_slide_are_drawn_in_mm_beside_angles():
+    """Metres of a rail were drawn as if they were radians."""
+    plan = planned(exoid.Leg.from_description(LEG.description, LEG.joint_names, base="z"), base_z=(-50.0, 50.0))
+    axes = plot_planned_motion(Figure().subplots(3, 1), plan)
+    slide, hip = (line.get_ydata()[1] for line in axes[0].lines[:2])
+    q = plan.recordings[0].q[1]
+    assert (slide, hip) == pytest.approx((1e3 * q[0], np.rad2deg(q[1])))
+    assert axes[0].get_ylabel() == "position [mm], angle [deg]"
 
 
 def test_a_planned_motion_is_drawn_for_one_period_between_its_limits(plan):

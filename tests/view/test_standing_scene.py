@@ -50,6 +50,12 @@ def test_resting_feet_stay_on_the_ground_while_the_torso_moves(exo, log):
         assert np.abs(found - found[0]).max() < 1e-3
 
 
+def test_forces_of_a_log_with_more_joints_than_the_leg_are_drawn(exo, log):
+    left = exoid.Leg.from_description(exo.description, exo.joint_names[:3], base="floating")
+    found, both = (lengths(scene(leg, recording=log), "measured ground force")[1] for leg in (left, exo))
+    assert found == both
+
+
 def lengths(drawn, label):
     """Length [m] of an arrow of a layer, and the force that it stands for [N], as the legend says."""
     (scale,) = [layer.scale for layer in drawn.layers if layer.label == label]

@@ -186,7 +186,7 @@ def _experiments(model: TorqueModel, limits: MotionLimits) -> Iterator[tuple[str
     yield "sweep all joints slowly over their ranges, each at its own frequency", recording(half, slow * shift)
     yield (
         f"swing all joints quickly, each at its own frequency from {fast:g} Hz",
-        recording(np.minimum(amplitude, half), fast * shift),
+        recording(swing, fast * shift),
     )
     if leg.limbs:
         yield (

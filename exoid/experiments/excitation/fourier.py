@@ -34,11 +34,6 @@ class FourierMotion:
             -(k**2 * s) @ self.sine - (k**2 * c) @ self.cosine,
         )
 
-    def sampled(self, rate: float) -> tuple[FloatArray, States]:
-        """Sample the whole motion, both ends included, at a rate [Hz]: times and states."""
-        time = np.arange(round(self.duration * rate) + 1) / rate
-        return time, self.at(time)
-
     def period_samples(self, count: int) -> States:
         """Sample one period evenly."""
         return self.at(np.arange(count) * self.period / count)
@@ -86,12 +81,6 @@ class Basis:
     def states(self, x: FloatArray) -> States:
         """Evaluate one period."""
         return States(self.position @ x, self.velocity @ x, self.acceleration @ x)
-
-    def coefficient_gradient(self, gradient: States) -> FloatArray:
-        """Convert a gradient by samples into one by coefficients."""
-        return np.asarray(
-            self.position.T @ gradient.q + self.velocity.T @ gradient.v + self.acceleration.T @ gradient.a
-        )
 
     def motion(self, x: FloatArray, duration: float, pitch: float) -> FourierMotion:
         """Make the motion of some coefficients."""

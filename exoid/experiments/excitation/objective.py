@@ -54,12 +54,13 @@ class Objective:
         columns = [self.columns(k, states) for k, states in enumerate(motions)]
         information = np.sum([np.einsum("pjt,qjt->pq", W * self.weight, W, optimize=True) for W in columns], axis=0)
         value, by_information = criterion_value(information, stage.power)
-        gradient = []
+        gradient, basis = [], self.basis
         for k, (states, W) in enumerate(zip(motions, columns, strict=True)):
             adjoint = 2.0 * np.tensordot(by_information, W, axes=1) * self.weight
             excess, slopes = self.slopes(k, states, W, adjoint, stage.penalty)
             value += stage.penalty * excess
-            gradient.append(self.basis.coefficient_gradient(slopes).ravel())
+            by_position, by_velocity = basis.position.T @ slopes.q, basis.velocity.T @ slopes.v
+            gradient.append((by_position + by_velocity + basis.acceleration.T @ slopes.a).ravel())
         return value, np.concatenate(gradient)
 
     @property

@@ -78,9 +78,8 @@ class Plan:
     @property
     def peaks(self) -> Peaks:
         """Range of angle and largest values at each joint."""
-        q, v, a, tau = (
-            np.vstack([getattr(recording, name) for recording in self.recordings]) for name in ("q", "v", "a", "tau")
-        )
+        logs = self.recordings
+        q, v, a, tau = (np.vstack([getattr(log, name) for log in logs]) for name in ("q", "v", "a", "tau"))
         return Peaks(q.min(axis=0), q.max(axis=0), *(np.abs(x).max(axis=0) for x in (v, a, tau)))
 
     def __repr__(self) -> str:
@@ -187,7 +186,8 @@ def plan_excitation(
 
 def planned_recording(model: TorqueModel, scales: Scales, motion: FourierMotion, rate: float) -> Recording:
     """Make the log of a rig that follows a motion exactly, with the expected torque."""
-    time, (q, v, a) = motion.sampled(rate)
+    time = np.arange(round(motion.duration * rate) + 1) / rate  # both ends included
+    q, v, a = motion.at(time)
     torso = TorsoMotion(pitch=motion.pitch) if motion.pitch else None
     tau = model.regressor(q, v, a, torso) @ scales.expected
     return Recording(time, q, v, a, tau, joint_names=model.leg.joint_names, torso=torso)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from .document import bleex, cuhk
 
-BLEEX_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")
-CUHK_PARAMETERS = ("X1", "Y1", "J1", "X2", "Y2", "J2")
-
 BLEEX_SETS = ("cad", "left", "right")
 """Parameter sets of document 1: Table V, and the two legs of Tables II and III."""
 
@@ -29,7 +26,7 @@ def bleex_parameters(which: str) -> dict[str, float]:
         printed = dict(document.tables["V"].values)
     else:
         printed = {**document.tables["II"].column(which), **document.tables["III"].column(which)}
-    return {name: printed[name].value for name in BLEEX_PARAMETERS}
+    return {name: printed[name].value for name in ("X1", "Y1", "J1", "X2", "Y2", "J2", "X3", "Y3", "J3")}
 
 
 def cuhk_parameters() -> dict[str, float]:
@@ -41,7 +38,7 @@ def cuhk_parameters() -> dict[str, float]:
     Returns:
         X1, Y1 [kg·m], J1 [kg·m²], X2, Y2, J2 by name, in the order hip, knee.
     """
-    return {name: cuhk().assumptions[name].value for name in CUHK_PARAMETERS}
+    return {name: cuhk().assumptions[name].value for name in ("X1", "Y1", "J1", "X2", "Y2", "J2")}
 
 
 def cuhk_cad_parameters() -> dict[str, float]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import ComplexArray, FloatArray
@@ -73,8 +74,9 @@ class ParallelFilter:
         own = np.ascontiguousarray(products[..., inside:]).view(np.complex128)
         states = np.zeros_like(own)  # what the blocks before and after add
         for mode, decay in enumerate(decays):
-            states[1:, :, mode] = _decaying_sum(own[:-1, :, mode].copy(), decay)
-            states[:-1, :, modes + mode] = _decaying_sum(own[:0:-1, :, modes + mode].copy(), decay)[::-1]
+            after, before = own[:-1, :, mode], own[:0:-1, :, modes + mode]  # Σ_j decay^(k−j) x_j over j ≤ k
+            states[1:, :, mode] = scipy.signal.lfilter([1.0], [1.0, -decay], after, axis=0)
+            states[:-1, :, modes + mode] = scipy.signal.lfilter([1.0], [1.0, -decay], before, axis=0)[::-1]
         filtered = (products[..., :inside] + states.view(np.float64) @ of_states)[lead : lead + wanted]
         return np.asarray(filtered.transpose(1, 0, 2).reshape(len(signals), -1)[:, : len(rows)])
 
@@ -90,15 +92,6 @@ class ParallelFilter:
         """
         ones = self.among_zeros(np.broadcast_to(1.0, (1, len(counted))), rows, counted)[0]
         return np.where(counted[rows.start : rows.stop : rows.step], ones, 1.0)
-
-
-def _decaying_sum(x: ComplexArray, decay: complex) -> ComplexArray:
-    """Σ_j decay^(k−j) x_j over j ≤ k for each k, along the first axis, in place: over 2, 4, 8, … terms."""
-    distance = 1
-    while distance < len(x) and abs(decay) > 1e-20:
-        x[distance:] += decay * x[:-distance]
-        decay, distance = decay * decay, 2 * distance
-    return x
 
 
 @lru_cache(maxsize=16)

@@ -46,7 +46,7 @@ def read_opensim_table(file: str, request: ReadRequest) -> Table:
     _refuse_other_size(entries, COLUMNS, len(header), "columns follow")
     _refuse_other_size(entries, ROWS, len(rows), "rows follow")
     cells = [(number, "\t".join(line.split())) for number, line in rows]
-    return text_table(file, source, header, cells, "\t", in_degrees=degrees)
+    return text_table(file, source, header, cells, "\t", in_degrees=frozenset(header if degrees else ()))
 
 
 def _header_entries(lines: Sequence[str]) -> tuple[dict[str, str], bool]:

@@ -18,7 +18,8 @@ class ReadOptions(TypedDict, total=False):
 
     Attributes:
         beside: Other files of the same clock, whose columns are interpolated at the time stamps of the first one, such
-            as torques of an inverse dynamics. Of columns of one name that of the first file counts.
+            as torques of an inverse dynamics. Of columns of one name that of the first file counts. Each file says
+            itself the unit of its angles, if it is OpenSim's, and by lines above its header the axes of its wrenches.
         gaps: "refuse" gaps and repeated stamps (if left out), or "split" the log there: rows in a gap and 0.5 s around
             it do not count, nor do rows with the stamp of the row before.
         angle_unit: Unit of angles in the file; "deg" applies to q, v and a that have no unit in ``columns``.

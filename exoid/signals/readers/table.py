@@ -40,7 +40,7 @@ class Table:
         length: Number of rows, N.
         lines: Number of each row in the file, (N,); None where rows count from 0.
         row_name: Word for a row: "line" of a text file, "row" or "message".
-        in_degrees: Whether the file says that its angles are in degrees, as OpenSim's do.
+        in_degrees: Columns whose angles are in degrees, as the header of a file of OpenSim says of all.
         said: Texts of lines above the data, behind each beginning that is read.
     """
 
@@ -51,7 +51,7 @@ class Table:
     length: int
     lines: NDArray[np.int64] | None = None
     row_name: str = "row"
-    in_degrees: bool = False
+    in_degrees: frozenset[str] = frozenset()
     said: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __len__(self) -> int:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import UnreadableInputError
+from exoid.signals.quantities import is_number
 from exoid.signals.source import Source
 
 from .options import ReadRequest
@@ -80,7 +81,7 @@ class TextCells:
             cells = _cells(row, self.delimiter, f"line {line}")
             filled.update(place for place in places if cells[place])
             for order, place in enumerate(places):
-                if place not in wrong and not _is_number(cells[place]):
+                if place not in wrong and not is_number(cells[place]):
                     wrong[place] = (line, order, cells[place])
         refused = [cell for place, cell in wrong.items() if place in filled or not filled]
         if refused:
@@ -88,7 +89,7 @@ class TextCells:
             what, remedy = f"{cell[:40]!r} is not a number", "correct or drop that row"
             if not cell:
                 what, remedy = "the cell is empty", "drop that row, or fill it by a documented method"
-            elif _is_number(cell.replace(",", ".")):
+            elif is_number(cell.replace(",", ".")):
                 remedy = "write numbers with a decimal point"
             name = self.header[places[order]]
             where = f"line {line}, column {name}"
@@ -121,12 +122,12 @@ def read_text_table(file: str, _: ReadRequest) -> Table:
     number, first = content[0]
     where = f"line {number}"
     delimiter = max((",", ";", "\t"), key=lambda mark: len(_cells(first, mark, where)))
-    if delimiter not in first and all(map(_is_number, first.split())):
+    if delimiter not in first and all(map(is_number, first.split())):
         content = [(number, _commas(line)) for number, line in content]
         comments = [line if "," in line else _commas(line) for line in comments]
         first, delimiter = content[0][1], ","
     header = _cells(first, delimiter, where)
-    if all(map(_is_number, header)):
+    if all(map(is_number, header)):
         header = _cells(comments[-1].lstrip("# \t"), delimiter, "") if comments else []
         if len(header) != first.count(delimiter) + 1:
             raise UnreadableInputError(
@@ -163,7 +164,17 @@ def _commas(line: str) -> str:
 def read_text(file: str) -> tuple[str, Source]:
     """Read a file of UTF-8 text; line ends become single characters."""
     data = _read_bytes(Path(file))
-    text = _decode(data).replace("\r\n", "\n").replace("\r", "\n")
+    if not data.strip():
+        raise UnreadableInputError("the file is empty", remedy="check that the logger closed it")
+    try:
+        text = data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        raise UnreadableInputError(
+            f"byte {data[problem.start]:#04x} is not UTF-8 text",
+            where=f"line {line}",
+            remedy="save it as UTF-8",
+        ) from None
     return text, Source(name=Path(file).name, sha256=hashlib.sha256(data).hexdigest())
 
 
@@ -201,20 +212,6 @@ def _read_bytes(path: Path) -> bytes:
         raise UnreadableInputError(f"cannot be read ({reason})", remedy="check the path and its rights") from None
 
 
-def _decode(data: bytes) -> str:
-    if not data.strip():
-        raise UnreadableInputError("the file is empty", remedy="check that the logger closed it")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        line = data.count(b"\n", 0, problem.start) + 1
-        raise UnreadableInputError(
-            f"byte {data[problem.start]:#04x} is not UTF-8 text",
-            where=f"line {line}",
-            remedy="save it as UTF-8",
-        ) from None
-
-
 def _cells(line: str, delimiter: str, where: str) -> list[str]:
     refuse_columns(line.count(delimiter) + 1)
     try:
@@ -224,11 +221,3 @@ def _cells(line: str, delimiter: str, where: str) -> list[str]:
             f"not a line of a table: {problem}", where=where, remedy="export the log as plain CSV"
         ) from None
     return [cell.strip() for cell in cells]
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return cell.isascii() and "_" not in cell

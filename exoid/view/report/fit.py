@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.estimate.validation import HEADERS
+from exoid.experiments.limits import position_units
 from exoid.regression.every_row import make_rows
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
@@ -112,15 +113,17 @@ def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPredictio
 
 
 def residual_pictures(estimate: Estimate, predictions: Sequence[RecordingPrediction]) -> Iterator[Picture]:
-    """Draw residuals against velocity and angle."""
+    """Draw residuals against velocity and angle; those of slides against m/s and mm."""
     q, v, residual = (
         np.concatenate(parts) for parts in zip(*((p.q, p.v, p.validation.residual) for p in predictions), strict=True)
     )
-    for x, against, unit in ((v, "velocity", "rad/s"), (np.rad2deg(q), "angle", "deg")):
-        for joint, label in enumerate(estimate.model.leg.joint_labels):
-            arguments = (x[:, joint], residual[:, joint], joint, f"{label} {against} [{unit}]", label)
+    leg = estimate.model.leg
+    for against in ("velocity", "angle"):
+        for joint, (label, unit) in enumerate(zip(leg.joint_labels, position_units(leg), strict=True)):
+            x = v[:, joint] if against == "velocity" else q[:, joint] / unit.size
+            named = f"{label} {unit.axes[against]}"
             yield Picture(
-                on_axes(plot_residual_trend, *arguments),
-                f"Residual {label} torque against {label} {against} [{unit}]",
+                on_axes(plot_residual_trend, x, residual[:, joint], joint, named, label),
+                f"Residual {label} torque against {named}",
                 figure=f"residuals_{against}",
             )

@@ -104,7 +104,7 @@ def _geometries(legs: Sequence[Leg | Estimate], identified: Sequence[Leg], folde
         if any(other.root == geometry.root for other in geometries):
             geometry = replace(geometry, root=f"{geometry.root} {len(geometries) + 1}")
         if any(other.leg.description.sha256 == geometry.leg.description.sha256 for other in geometries):
-            geometry = geometry.without_torso()
+            geometry = replace(geometry, visuals=((), *geometry.visuals[1:]))
         geometries.append(geometry)
     return geometries
 

@@ -43,7 +43,8 @@ Loads = dict[str, dict[str, Load]]
 def ground_loads(source: Leg | Estimate, leg: Leg, replay: Replay, standing: Standing) -> tuple[Loads, tuple[str, ...]]:
     """Find measured and, for an estimate, predicted loads of resting feet; and why they cannot be predicted."""
     recording = replay.recording
-    found = {k: level_wrench(leg, recording.q, k, each) for k, each in wrenches_on_links(leg, recording).items()}
+    q = np.zeros((len(recording), len(leg.joint_names)))  # the axes of a floating base are those of the laboratory
+    found = {link: level_wrench(leg, q, link, each) for link, each in wrenches_on_links(leg, recording).items()}
     measured, predicted = ((link, recording.time, each, np.inf) for link, each in found.items()), []
     notes: tuple[str, ...] = ()
     if isinstance(source, Estimate) and recording.tau is not None:

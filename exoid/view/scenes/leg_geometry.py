@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,10 +78,6 @@ class LegGeometry:
         """Colour of each joint."""
         return [joint_colour(joint) for joint in range(len(self.leg.tree_joint_names))]
 
-    def without_torso(self) -> LegGeometry:
-        """Return the geometry without visuals of the torso, which another leg draws."""
-        return replace(self, visuals=((), *self.visuals[1:]))
-
     @property
     def joint_paths(self) -> tuple[str, ...]:
         """Path of each joint's frame; its body is the child "body"."""
@@ -95,14 +91,11 @@ class LegGeometry:
         """Path of each body, the torso first."""
         return (self.root, *(f"{joint}/body" for joint in self.joint_paths))
 
-    def place_joints(self) -> Iterator[Command]:
-        """Commands that place the frames of the joints on their parent bodies."""
-        for path, placement in zip(self.joint_paths, self.skeleton.placements, strict=True):
-            yield set_transform(path, placement)
-
     def pose(self, q: FloatArray) -> Iterator[Command]:
-        """Commands that move the joints to angles [rad], (n,)."""
-        for path, transform in zip(self.body_paths[1:], self.skeleton.joint_transforms(q)[0], strict=True):
+        """Commands that place the frames of the joints on their parent bodies, and move them to angles [rad], (n,)."""
+        placed = zip(self.joint_paths, self.skeleton.placements, strict=True)
+        moved = zip(self.body_paths[1:], self.skeleton.joint_transforms(q)[0], strict=True)
+        for path, transform in (*placed, *moved):
             yield set_transform(path, transform)
 
     def draw_bodies(self) -> Iterator[Command]:

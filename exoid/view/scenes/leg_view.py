@@ -45,7 +45,7 @@ def view_leg(source: Leg | Estimate, geometry: LegGeometry, q: FloatArray, repla
     else:
         down = np.swapaxes(base.rotation, 1, 2) @ align_z((0.0, 0.0, -1.0))
         drawing = moving(geometry.root, base.position, base.rotation)
-    drawing += Drawing([*geometry.place_joints(), *geometry.pose(trajectory.q[0])])
+    drawing += Drawing([*geometry.pose(trajectory.q[0])])
     points, (leg, *others) = geometry.bounding_points(trajectory.q), _bodies(geometry)
     drawing += leg
     for each in (*others, draw_weights(geometry, trajectory, down), draw_torques(geometry, trajectory)):

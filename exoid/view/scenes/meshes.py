@@ -21,8 +21,6 @@ from .visual import hex_colour
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
-IndexArray = NDArray[np.int64]
-
 MAX_TRIANGLES = 20_000
 """Largest number of triangles of a mesh."""
 
@@ -35,7 +33,7 @@ class Mesh(NamedTuple):
 
     points: FloatArray  # vertices [m], (V, 3)
     normals: FloatArray  # unit normal at each vertex, (V, 3)
-    triangles: IndexArray  # indices of three vertices each, (F, 3)
+    triangles: NDArray[np.int64]  # indices of three vertices each, (F, 3)
     colour: str | None  # colour in the file as "#rrggbb", or None
 
 

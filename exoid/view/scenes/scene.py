@@ -57,17 +57,13 @@ class Scene:
         """
         return write_page(self.to_json())
 
-    def iframe(self, height: int = 480) -> str:
+    def iframe(self) -> str:
         """Render the scene as an HTML element for another page; several of them do not interfere.
-
-        Args:
-            height: Height of the element [pixels].
 
         Returns:
             An ``<iframe>`` element.
         """
-        source = html.escape(self.html(), quote=True)
-        style = f"width: 100%; height: {height:d}px; border: 0"
+        source, style = html.escape(self.html(), quote=True), "width: 100%; height: 480px; border: 0"
         return f'<iframe title="{html.escape(self.title, quote=True)}" style="{style}" srcdoc="{source}"></iframe>'
 
     def save(self, path: str | os.PathLike[str]) -> None:
