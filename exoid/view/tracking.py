@@ -15,34 +15,40 @@ from .colours import GUIDE, LAW_COLOURS, MEASURED, PREDICTED, RESIDUAL, joint_co
 from .style import decorate, decorate_column
 
 
-def plot_tracking_errors(axes: Sequence[Axes], runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Sequence[Axes]:
+def plot_tracking_errors(
+    axes: Sequence[Axes], runs: Mapping[str, Tracking], *, names: Sequence[str], colours: Sequence[str] = LAW_COLOURS
+) -> Sequence[Axes]:
     """Plot the tracking error of each joint under several control laws, after settling (doc. 2, Fig. 8).
 
     Args:
         axes: Axes to draw on, one for each joint.
         runs: Runs by the label of each control law.
         names: Names of the joints.
+        colours: Colours of the laws; repeated if there are more laws.
 
     Returns:
         The axes.
     """
     for ax in axes:
         ax.axhline(0.0, color=GUIDE, lw=0.8)
-    return _plot_runs(axes, runs, names, lambda run: np.rad2deg(run.error), "error [deg]")
+    return _plot_runs(axes, runs, names, colours, lambda run: np.rad2deg(run.error), "error [deg]")
 
 
-def plot_law_torques(axes: Sequence[Axes], runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Sequence[Axes]:
+def plot_law_torques(
+    axes: Sequence[Axes], runs: Mapping[str, Tracking], *, names: Sequence[str], colours: Sequence[str] = LAW_COLOURS
+) -> Sequence[Axes]:
     """Plot the torque of each joint under several control laws, after settling (doc. 2, Fig. 9).
 
     Args:
         axes: Axes to draw on, one for each joint.
         runs: Runs by the label of each control law.
         names: Names of the joints.
+        colours: Colours of the laws; repeated if there are more laws.
 
     Returns:
         The axes.
     """
-    return _plot_runs(axes, runs, names, lambda run: run.tau, "torque [N·m]")
+    return _plot_runs(axes, runs, names, colours, lambda run: run.tau, "torque [N·m]")
 
 
 def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Axes:
@@ -77,12 +83,13 @@ def _plot_runs(
     axes: Sequence[Axes],
     runs: Mapping[str, Tracking],
     names: Sequence[str],
+    colours: Sequence[str],
     values: Callable[[Tracking], FloatArray],
     quantity: str,
 ) -> Sequence[Axes]:
     """Plot one quantity of each joint, (N, n), over the time since settling."""
     for joint, ax in enumerate(axes):
-        for colour, (label, run) in zip(cycle(LAW_COLOURS), runs.items(), strict=False):
+        for colour, (label, run) in zip(cycle(colours), runs.items(), strict=False):
             settled = run.time >= run.settle
             time, value = run.time[settled] - run.settle, values(run)[settled, joint]
             ax.plot(time, value, color=colour, lw=0.8, label=label)

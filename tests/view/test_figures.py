@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from exoid.control import Tracking
 from exoid.signals import Approaches, Poses, Recording
 from exoid.view import paper, plot_correlation, plot_law_torques, plot_tracking_errors
-from exoid.view.colours import LAW_COLOURS
 from exoid.view.experiments import plot_approaches, plot_reference, plot_stiffness
 from exoid.view.fit import plot_friction_fit
 from exoid.view.parameters import STRONG
@@ -105,9 +104,9 @@ RUNS = {"PD": law_run("pd", 0.2), "LQR": law_run("lqr", 0.002)}
 
 @pytest.mark.parametrize("plot", [plot_tracking_errors, plot_law_torques])
 def test_laws_are_drawn_over_the_counted_part_of_the_run(plot):
-    figure, axes = drawn(lambda ax: plot(ax, RUNS, names=NAMES[:2]), rows=2)
+    figure, axes = drawn(lambda ax: plot(ax, RUNS, names=NAMES[:2], colours=("red", "blue")), rows=2)
     lines = [line for line in axes[1].get_lines() if len(line.get_xdata()) > 2]
-    assert [line.get_color() for line in lines] == list(LAW_COLOURS[:2])
+    assert [line.get_color() for line in lines] == ["red", "blue"]
     late = TIME[TIME >= 1.0] - 1.0
     np.testing.assert_allclose(lines[0].get_xdata(), late)
     run = RUNS["PD"]
