@@ -1,9 +1,10 @@
-"""Folders of logs on the command line."""
+"""Folders of logs and bags on the command line."""
 
 import json
 from pathlib import Path
 
 import pytest
+from log_writers import messages, write_bag
 
 import exoid
 from exoid.cli import folders
@@ -36,3 +37,15 @@ def test_a_folder_stands_for_its_logs(exoid_, folder):
     files = [folder / f"part.{number}.csv" for number in (1, 2, 10)]
     _, alone, _ = exoid_("identify", "bleex", *files, "--no-check", "--json")
     assert json.loads(out)["values"] == json.loads(alone)["values"]
+
+
+def test_the_topic_and_the_stamps_of_a_bag_are_options(exoid_, tmp_path):
+    recording = exoid.datasets.bleex_swing().train.slice(0, 1000)
+    write_bag(tmp_path / "bag", {"/left": messages(recording), "/right": messages(recording)}, late=10**6)
+    code, out, err = exoid_("identify", "bleex", "bag")
+    assert (code, out) == (2, "")
+    assert err.startswith("exoid: bag: 2 topics of joint states: /left, /right")
+    assert err.count("\n") == 1
+    assert exoid_("identify", "bleex", "bag", "--no-check", "--topic", "/right", "--received")[0] == 0
+    recording.to_csv(tmp_path / "log.csv")
+    assert exoid_("identify", "bleex", "log.csv", "--topic", "/right")[0] == 2

@@ -14,16 +14,11 @@ def walk(**changes):
     return Recording(**{"time": TIME, "q": q, "tau": 2.0 * q, "joint_names": ("hip", "knee"), **changes})
 
 
-def test_samples_from_start_to_before_stop_count():
-    masked = walk().segments([(0.1, 0.3), (1.0, 1.4)])
+def test_samples_from_start_to_before_stop_count_and_segments_of_segments_are_what_both_have_in_common():
+    masked = walk().segments([(0.1, 0.3), (0.9, 1.4)]).segments([(0.0, 0.5), (1.0, 2.0)])
     np.testing.assert_array_equal(np.flatnonzero(masked.mask), [*range(10, 30), *range(100, 140)])
     assert masked.segment_times == ((0.1, 0.29), (1.0, 1.39))
     assert "60 in 2 segments" in repr(masked)
-
-
-def test_segments_of_segments_are_what_both_have_in_common():
-    twice = walk().segments([(0.1, 0.3)]).segments([(0.2, 0.5)])
-    np.testing.assert_array_equal(np.flatnonzero(twice.mask), range(20, 30))
 
 
 def test_a_sample_of_a_resampled_recording_counts_if_both_neighbours_did():

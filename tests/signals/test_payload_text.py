@@ -22,7 +22,7 @@ def test_text_and_payload_say_the_same(payload):
     assert Payload.from_text(str(payload)) == payload
 
 
-def test_a_csv_file_keeps_its_payloads(tmp_path):
+def test_a_csv_file_and_parts_of_a_recording_keep_the_payloads(tmp_path):
     saved = recording(payloads=(PAYLOAD, Payload("hip", 1.0)))
     saved.to_csv(tmp_path / "heavy.csv")
     read = Recording.from_csv(tmp_path / "heavy.csv")
@@ -31,7 +31,8 @@ def test_a_csv_file_keeps_its_payloads(tmp_path):
     assert Recording.from_file(tmp_path / "heavy.csv").payloads == saved.payloads
     assert "payloads: knee:3.0@0.0,0.01,-0.3:0.05, hip:1.0@0.0,0.0,0.0" in repr(read)
     (folder,) = Recordings.from_folder(tmp_path)
-    assert folder.payloads == saved.payloads
+    parts = (folder, saved.slice(0, 20), saved.select(("hip",)), saved.segments([(0.0, 0.5)]))
+    assert all(part.payloads == saved.payloads for part in parts)
 
 
 @pytest.mark.parametrize("line", [str(PAYLOAD), "three kilograms"])
@@ -41,9 +42,3 @@ def test_given_payloads_go_before_a_line_of_the_file(line, tmp_path):
     path.write_text(f"# payload: {line}\n" + path.read_text())
     for payloads in ((replace(PAYLOAD, mass=2.0),), ()):
         assert Recording.from_csv(path, payloads=payloads).payloads == payloads
-
-
-def test_parts_of_a_recording_keep_the_payload():
-    whole = recording(payloads=PAYLOAD)
-    parts = (whole.slice(0, 20), whole.select(("hip",)), whole.segments([(0.0, 0.5)]))
-    assert all(part.payloads == (PAYLOAD,) for part in parts)
