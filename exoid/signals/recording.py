@@ -276,10 +276,10 @@ class Recording(RecordingData):
         """Write columns ``time, q_<joint>, …``, which `from_csv` reads back exactly.
 
         A mask becomes a column ``mask`` of 0 and 1, which ``from_csv(path, mask="mask")`` reads. What was not measured
-        has no column. The torque of a passive joint is a column of zeros, which ``from_csv(path, passive=...)`` reads.
-        Each payload becomes a line ``# payload: knee:3.0@0.0,0.0,-0.3`` above the header, which ``from_csv`` reads. So
-        does the position of the sensor of a base motion: ``# base position: 0.1,0.0,0.2``, and axes and point of a
-        wrench: ``# wrench: left_foot:link@0.0,0.0,-0.08``.
+        has no column, nor has ``torso``: set it again after reading. A passive joint has a torque of zeros, which
+        ``from_csv(path, passive=...)`` reads. Lines above the header, which ``from_csv`` reads, have the payloads, as
+        ``# payload: knee:3.0@0.0,0.0,-0.3``, the position of the sensor of a base motion, as
+        ``# base position: 0.1,0.0,0.2``, and axes and point of wrenches, as ``# wrench: left_foot:link@0.0,0.0,-0.08``.
 
         Args:
             path: File to write; an existing one is replaced only when the new one is complete.
