@@ -20,8 +20,8 @@ from .estimators.by_name import fit_linear
 from .findings.arms import arm_shapes
 from .findings.channels import quantum
 from .findings.sample import FittedLeg, few_of
-from .findings.score import in_half_widths
-from .findings.search import delays, find_faults
+from .findings.score import HALF_WIDTH, in_half_widths
+from .findings.search import find_faults
 from .group_rows import Group
 from .problem import Fitted, Problem
 from .row_changes import change_recordings, torque_delays
@@ -147,8 +147,12 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
     for group in problem.groups:
         parts, names = fitted.problem.parts(group.name), group.model.leg.joint_names
         if fitted.problem.groups[parts[0]].links is None:
-            leg = fitted_leg(fitted, parts[0])
-            late, half = delays(find_faults(leg._replace(data=few_of(leg.data)).sampled())[0], len(names))
+            leg, (late, half) = fitted_leg(fitted, parts[0]), np.zeros((2, len(names)))
+            faults, _ = find_faults(leg._replace(data=few_of(leg.data)).sampled())
+            for score in (one.score for one in faults if one.score.nuisance.kind == "torque-delay"):
+                joint = slice(None) if score.nuisance.place < 0 else score.nuisance.place  # those of all, and of one
+                late[joint] += score.delta[0]
+                half[joint] = np.hypot(half[joint], HALF_WIDTH * score.std[0])
         else:
             late, half = torque_delays(fitted, parts)
         by_joint, found = {k: float(late[k]) for k in np.flatnonzero(late).tolist()}, list(group.findings)

@@ -12,10 +12,8 @@ import exoid
 from exoid.cli.app import app
 from exoid.control import ControlModel
 from exoid.identification.findings.checkup import signal_findings
-from exoid.identification.findings.physics import impossible_leg
 from exoid.identification.findings.timing import loop_gaps
 from exoid.leg.description import read_description
-from exoid.regression.least_squares import scaled_pinv
 from exoid.torques import TorqueModel
 
 SOME = 0.02  # friction of the motors [N·m·s/rad]
@@ -65,19 +63,6 @@ def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
     np.testing.assert_allclose(
         found, estimate.leg.inverse_dynamics(q, v, a), rtol=1e-3, atol=1e-3 * np.abs(found).max()
     )
-
-
-def test_a_variance_of_blocks_makes_no_leg_impossible(leg):
-    rng, log = np.random.default_rng(0), swing(leg, 0)
-    v = np.gradient(log.q, 1.0 / 200.0, axis=0)
-    W, mine = leg.regressor(log.q, v, np.gradient(v, 1.0 / 200.0, axis=0)), leg.parameters
-    rows = [np.column_stack([W[:, j], W[:, j] @ mine]) for j in range(2)]
-    for of_joint in rows:
-        of_joint[:, -1] += 0.03 * of_joint[:, -1].std() * rng.standard_normal(len(of_joint))
-    A = np.vstack([of_joint / of_joint[:, -1].std() for of_joint in rows])
-    spread, each = scaled_pinv(A[:, :-1]), np.diag(rng.uniform(0.7, 1.4, len(mine)))
-    covariance = 0.03**2 * each @ spread @ spread.T @ each
-    assert not list(impossible_leg(leg, spread @ A[:, -1], covariance, rows))
 
 
 def test_controllers_take_the_driven_joints_only(leg):

@@ -13,7 +13,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (7230, 5000),
     "estimate": (3460, 2900),
     "experiments": (3355, 3200),
-    "identification": (8049, 7200),
+    "identification": (8045, 7200),
     "lab": (4443, 5000),
     "leg": (4470, 4200),
     "online": (1534, 1500),

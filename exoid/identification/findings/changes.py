@@ -24,8 +24,7 @@ from .evidence import Evidence
 from .kinds import Nuisance
 from .score import State
 
-BLOCKS = 60
-"""Blocks of all data."""
+BLOCKS = 60  # of all data
 
 
 class Change(NamedTuple):

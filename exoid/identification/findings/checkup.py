@@ -148,8 +148,10 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         if not (kinds & zeros or any(one.severity == "error" for one in found)):
             found += turned_segment(checked, 0.1 if "torque-delay" in kinds else 0.03)  # 20 ms turn BLEEX's by 3.3°
     if not explained and not any(finding.severity == "error" for finding in found):
-        fitted = checked.fitted
-        found += impossible_leg(fitted.model.leg, fitted.values, fitted.covariance, checked.evidence.factors)
+        leg, library = checked.fitted.model.leg, checked.fitted.library
+        # friction of another form makes no leg impossible
+        beside = State.of(checked.evidence, (*library.always, *library.friction, *library.free))
+        found += impossible_leg(leg, beside.values, beside.covariance, checked.evidence.factors)
     impossible = any(finding.kind == "impossible-leg" for finding in found)
     if not (angles or loaded) and (impossible or any(one.kind == "angle-scale" and one.value < 0.5 for one in found)):
         gross = gross_findings(checked.fitted, checked.evidence, angles=True)  # of a joint without torque, say

@@ -221,7 +221,9 @@ def _behind(at: _Point, lag: FloatArray) -> FloatArray:
     """Change of the torque where links are behind their encoders by angles (n, N), and their motion by derivatives."""
     if not at.of.moving:
         return -at.by_joints(lag)
-    twist = (scipy.ndimage.gaussian_filter1d(lag, FOLLOWED * at.of.rate, order=k) * at.of.rate**k for k in range(3))
+    # cut at 4 standard deviations, the kernel of the second derivative would see a constant
+    of, width = scipy.ndimage.gaussian_filter1d, FOLLOWED * at.of.rate
+    twist = (of(lag, width, order=k, truncate=6.0) * at.of.rate**k for k in range(3))
     return -at.by_joints(*twist)
 
 
@@ -242,7 +244,10 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     "gain |τ|": lambda at, _: np.abs(at.of_leg),
     "gain τ²": lambda at, _: at.of_leg**3 / np.maximum(np.mean(at.of_leg**2, axis=1, keepdims=True), TINY),
     "smoothing": _smoothed,
-    "late angle": lambda at, _: _behind(at, -at.motion.v.T),
+    # rotor and friction of the joint, where its encoder may sit, are not in the slopes of rigid bodies
+    "late angle": lambda at, _: (
+        _behind(at, -at.motion.v.T) - np.eye(len(at.torque))[..., None] * _earlier(at, at.torque - at.of_leg)
+    ),
     "gains": lambda at, _: [at.torque],
     # nobody's sensor sees the torque of a joint that is passive, or that was not measured
     "cross-talk": lambda at, k: [at.torque[k] * at.measured[k].any()] * len(at.torque),

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
@@ -16,13 +17,13 @@ from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical
 from exoid.leg.lift.lift import nearest_within
 from exoid.leg.lift.pseudo_inertia import margins
-from exoid.regression.least_squares import RANK, TINY, RFactor, scaled_lstsq, scaled_pinv
+from exoid.regression.least_squares import RFactor, scaled_lstsq
 from exoid.torques import TorqueModel
 
 from .evidence import Evidence, torque_shares
 from .sample import FittedLeg
 
-IMPOSSIBLE = 4.5  # standard deviations of parameters that no leg can have from the nearest that one can
+IMPOSSIBLE = 4.5  # standard deviations of one parameter that no leg can have from the nearest that one can
 
 
 class CheckedFit(NamedTuple):
@@ -141,22 +142,16 @@ def impossible_leg(
         if apart < IMPOSSIBLE and (margins(links) > 0.0).all():  # the leg's own links, changed a little, have them
             return
         tables = [np.column_stack([R[:, : len(covariance)], R[:, -1]]) for R in factors]
-        if leg.closure is not None:
-            # Blocks of a log set each variance, which spoils correlations that are nearly 1: those of its rows hold
-            free = np.diag(covariance) > 0.0
-            W = np.vstack([R[:, :-1] * free / (np.linalg.norm(R @ np.append(values, -1.0)) + TINY) for R in tables])
-            spread = scaled_pinv(np.vstack([W, RANK * np.diag(np.linalg.norm(W, axis=0))]))
-            spread *= np.sqrt((np.diag(covariance)[free] / (spread[free] ** 2).sum(axis=1)).max(initial=0.0))
-            errors = (spread @ spread.T)[:rigid, :rigid]
-        nearest, distance = nearest_within(leg, bodies, errors, IMPOSSIBLE)
+        # The true leg is at least as far away as the nearest possible one, and its distance squared is χ² of all
+        # parameters: of 57 it exceeds 4.5² nearly always, and this limit as seldom as one parameter exceeds 4.5.
+        limit = float(np.sqrt(scipy.special.chdtri(rigid, 2.0 * scipy.special.ndtr(-IMPOSSIBLE))))
+        nearest, distance = nearest_within(leg, bodies, errors, limit)
         change = torque_shares(tables, np.arange(rigid), np.diag(bodies - nearest)).max()
-        if apart < IMPOSSIBLE and change < 5e-3:  # part of a joint's torque that would show
+        if apart < IMPOSSIBLE and (distance < limit or change < 5e-3):  # part of a joint's torque that would show
             return
-        apart = max(apart, distance)
     except (ExoidError, np.linalg.LinAlgError):  # a covariance without a metric
         return
-    if apart < IMPOSSIBLE:
-        return
+    apart = max(apart, distance)
     away = f"{apart:.3g} standard deviations away"
     message = f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {away}"
     remedy = (

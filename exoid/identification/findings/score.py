@@ -102,9 +102,7 @@ class State:
     @property
     def values(self) -> FloatArray:
         """Values of all parameters, known ones too, (P,)."""
-        values = np.where(np.isfinite(self.evidence.fixed), self.evidence.fixed, 0.0)
-        values[self.evidence.free] = self.solution[: len(self.evidence.free)]
-        return np.asarray(values)
+        return np.nan_to_num(self.evidence.fixed) + self._spread(self.solution[: len(self.evidence.free)])
 
     def alone(self, k: int) -> tuple[float, float]:
         """Value of a parameter by the rows, beside all that are free, and its standard deviation; 0 ± ∞ if unseen."""
@@ -159,11 +157,16 @@ class State:
         return total
 
     @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance of all parameters, 0 for known ones, (P, P)."""
+        bread, count = self.pinv @ self.pinv.T, len(self.evidence.free)
+        covariance = bread @ self.meat[np.ix_(self.columns, self.columns)] @ bread
+        return self._spread(self._spread(covariance[:count, :count]).T)
+
+    @cached_property
     def half(self) -> FloatArray:
         """Half widths of 95 % intervals of all parameters, 0 for known ones, (P,)."""
-        bread = self.pinv @ self.pinv.T
-        variance = np.diag(bread @ self.meat[np.ix_(self.columns, self.columns)] @ bread)[: len(self.evidence.free)]
-        return self._spread(HALF_WIDTH * np.sqrt(np.maximum(variance, 0.0)))
+        return np.asarray(HALF_WIDTH * np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
 
     def moved(self, columns: Sequence[int], sizes: FloatArray) -> FloatArray:
         """Change of the parameters by nuisance columns of these sizes, (XᵀX)⁻¹Xᵀ z δ, 0 for known ones, (P,)."""
@@ -181,8 +184,8 @@ class State:
         return self._spread(torque * np.linalg.norm(share @ axes[: len(values)][used].T / values[used], axis=1))
 
     def _spread(self, of_free: FloatArray) -> FloatArray:
-        """Put numbers of free parameters among those of all, (P,)."""
-        every = np.zeros(len(self.evidence.fixed))
+        """Put numbers, or rows, of free parameters among those of all, (P, ...)."""
+        every = np.zeros((len(self.evidence.fixed), *of_free.shape[1:]))
         every[self.evidence.free] = of_free
         return every
 

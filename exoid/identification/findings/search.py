@@ -26,9 +26,7 @@ SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE, UNDECIDED = 0.5, 0.25, 10.0, 3.0
 """Half widths by which a fault moves a parameter if it matters, makes it doubtful, or is an error; and evidence below
 that of the best (20 times less likely) from which on others are not named beside it."""
 
-LATE = 0.01
-"""Delay of torques as a mistake of recording makes it [s], at least."""
-
+LATE = 0.01  # delay of torques as a mistake of recording makes it, at least [s]
 SCALES = ("torque-scale", "angle-scale")
 FORWARD = ("elastic-joint", "play", "angle-delay", "smoothed-torque")  # no link is ahead of its load, nor angle early
 
@@ -281,16 +279,6 @@ def _corrected(data: Recording | Poses, fault: Nuisance, delta: float, start: fl
     own = np.isin(range(len(data.joint_names)), joints)
     signals = {name: x for name in names if (x := getattr(data, name, None)) is not None}
     return replace(data, **{name: np.where(own, factor * x + offset, x) for name, x in signals.items()})
-
-
-def delays(faults: Sequence[Fault], joints: int) -> tuple[FloatArray, FloatArray]:
-    """Delay of the torque of each joint, 0 where none is significant, and half widths of 95 % intervals [s], (n,)."""
-    total, variance = np.zeros((2, joints))
-    for score in (fault.score for fault in faults if fault.score.nuisance.kind == "torque-delay"):
-        joint = slice(None) if score.nuisance.place < 0 else score.nuisance.place
-        total[joint] += score.delta[0]
-        variance[joint] += score.std[0] ** 2
-    return total, HALF_WIDTH * np.sqrt(variance)
 
 
 def findings_of(fitted: FittedLeg, faults: Sequence[Fault]) -> tuple[Finding, ...]:
