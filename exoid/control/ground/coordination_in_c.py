@@ -95,8 +95,8 @@ def coordinator_in_c(machine: Coordinator, dialect: Dialect) -> LawInC:
     return LawInC(
         tuple(f"joint {k + 1}" for k in range(n)),
         "function and shares of the contacts by a table of rules; tau = wanted within bounds of torque, power and jerk",
-        "    if ({{p}}_decide(state, in->chance, in->flexion, in->wish[0], in->slips[0] > 0.5, in->broken[0] > 0.5))\n"
-        "        {{p}}_bound(state, in->wanted, in->v, tau);\n    else\n        tau[0] = NAN;\n    (void)j;",
+        "    {{p}}_decide(state, in->chance, in->flexion, (int)in->wish[0], in->slips[0] > 0.5, in->broken[0] > 0.5);\n"
+        "    {{p}}_bound(state, in->wanted, in->v, tau);\n    (void)j;",
         machine.rate,
         np.full(n, machine.numbers["damping"]),
         (
