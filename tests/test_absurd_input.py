@@ -77,5 +77,5 @@ def test_shapes_that_the_parser_does_not_understand_print_nothing(tmp_path, capf
 @pytest.mark.parametrize("seconds", [1e12, float("inf")])
 def test_runs_without_end_are_refused(leg, seconds):
     plant = Plant.build(leg, {}, end_stops=False)
-    with pytest.raises(ExoidError, match=r"a run of .* s is longer than 1e[+]07 samples"):
+    with pytest.raises(ExoidError, match="the number of samples of the run is"):
         simulate_law(plant, pd(50.0, 5.0), Hold([0.1]), seconds)

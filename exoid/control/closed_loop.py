@@ -117,10 +117,7 @@ def simulate_many(
     if not 0.0 <= settle < duration:
         what = f"{settle:g} s to settle in a run of {duration:g} s"
         raise BadArgumentError(what, remedy="run longer than it settles")
-    most = 10**7  # samples: a day at 100 Hz
-    if duration * max(rate, RATE) > most:
-        what = f"a run of {duration:g} s is longer than {most:.0e} samples"
-        raise BadArgumentError(what, remedy="simulate a shorter one")
+    checked(duration * max(rate, RATE), "the number of samples of the run", most=1e7)  # a day at 100 Hz
     if np.isfinite(plant.lower).any() or np.isfinite(plant.upper).any():
         refuse_motion_beyond_limits(plant.leg, reference, duration)
     log = max(RATE, rate) if log_rate is None else log_rate

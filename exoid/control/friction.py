@@ -116,8 +116,9 @@ def model_to_compensate(
     """Make the model of a law, which may follow a motion, and warn if it compensates friction that is negative."""
     # Under eq. (6) of doc. 2, its Table III as printed would inject energy: compensating it opposes the motion.
     # Friction must resist up to 1 rad/s; slightly negative viscous friction beside Coulomb's is noise.
-    if friction is not None and friction.velocity == "desired" and not follows:
-        what = "friction of the desired velocity, where no motion is desired"
+    wanted = "none" if friction is None else getattr(friction, "velocity", "")
+    if not wanted or (wanted == "desired" and not follows):
+        what = "friction of the desired velocity, where no motion is desired" if wanted else f"friction is {friction!r}"
         raise BadArgumentError(what, remedy="use SMOOTH, SHARP or PASSIVE")
     model = ControlModel.of(source)
     wrong = [

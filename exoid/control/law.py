@@ -139,13 +139,9 @@ def stateful(law: AnyLaw) -> StatefulLaw:
         ExoidError: It is no controller.
 
     Example:
-        >>> import numpy as np
         >>> from exoid.control import State, pd, stateful
-        >>> from exoid.rig import Target
-        >>> law, state = stateful(pd(10.0, 1.0)), State(np.zeros(2), np.zeros(2))
-        >>> torque, memory = law.step(law.begin(state), state, Target(np.ones(2), np.zeros(2)))
-        >>> torque, memory
-        (array([10., 10.]), ())
+        >>> stateful(pd(10.0, 1.0)).begin(State(np.zeros(2), np.zeros(2)))  # its memory is empty
+        ()
     """
     if isinstance(law, StatefulLaw):
         return law
@@ -186,7 +182,7 @@ def gains(value: ArrayLike, name: str) -> FloatArray:
 
 def refuse_rate(rate: float) -> None:
     """Refuse a rate that is not positive and finite."""
-    checked(rate, "the rate of a controller [Hz]", above=0.0)
+    checked(rate, "the rate of a controller [Hz]", above=0.0, ndim=0)
 
 
 def sound(torque: FloatArray, state: State, target: Target | None = None) -> FloatArray:
@@ -208,6 +204,13 @@ def unsound(state: State, target: Target | None, torque: FloatArray | None = Non
     kinds = [f"{name} {getattr(x, 'shape', type(x).__name__)}" for name, x in known] + ["no target"] * (target is None)
     remedy = "give arrays of finite numbers, one for each joint; without readings stop the leg"
     return BadArgumentError(wrong[0] if wrong else f"a sample of {', '.join(kinds)}", remedy=remedy)
+
+
+def refuse_shape(state: State, n: int, legs: tuple[int, ...]) -> None:
+    """Refuse a state that is not of n joints of as many legs, () or (B,)."""
+    if not getattr(state.q, "shape", None) == getattr(state.v, "shape", None) == (n, *legs):
+        what = f"q of shape {np.shape(state.q)} and v of shape {np.shape(state.v)} instead of arrays {(n, *legs)}"
+        raise BadArgumentError(what, remedy="give one number for each joint, of as many legs as at the beginning")
 
 
 def spread(values: FloatArray, like: FloatArray) -> FloatArray:

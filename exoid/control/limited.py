@@ -60,7 +60,8 @@ class Limited:
     slew: ArrayLike = np.inf
 
     def __post_init__(self) -> None:
-        """Check the limits."""
+        """Check controller and limits."""
+        stateful(self.law)
         for name in ("limit", "slew"):
             object.__setattr__(self, name, checked(getattr(self, name), name, above=0.0, infinite=True))
 

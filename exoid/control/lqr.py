@@ -54,10 +54,10 @@ def lqr(
     model = model_to_compensate(source, friction)
     n, at_rest = model.n, np.zeros(model.n)
     about = for_joints(checked(pose, "the pose"), n, "angles of the pose")
-    acceptable = (np.deg2rad(angle_deg) * model.radian, torque)
-    deviations = [for_joints(checked(x, "an acceptable deviation", above=0.0), n, "deviations") for x in acceptable]
+    acceptable = (checked(x, "an acceptable deviation", above=0.0) for x in (angle_deg, torque))
+    angles, torques = (for_joints(x, n, "acceptable deviations") for x in acceptable)
     A, B = discretise(*linearise(model, about, at_rest, at_rest), 1.0 / rate)
-    Q, R = np.diag(np.append(deviations[0] ** -2.0, at_rest)), np.diag(deviations[1] ** -2.0)
+    Q, R = np.diag(np.append((np.deg2rad(angles) * model.radian) ** -2.0, at_rest)), np.diag(torques**-2.0)
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
     except np.linalg.LinAlgError as error:

@@ -19,6 +19,7 @@ from exoid.leg.model import configuration
 from exoid.regression.diagnostics import SIZE
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
+from exoid.tools.numbers import checked
 from exoid.torques import Armature, Coulomb, Offset, Stiffness, Term, TorqueModel, Viscous
 from exoid.torques.catalog import radians
 
@@ -322,9 +323,13 @@ def default_gains(source: ModelSource, pose: FloatArray, rate: float = RATE) -> 
 
     Returns:
         Kp [N·m/rad] and Kd [N·m·s/rad], (n,) each.
+
+    Raises:
+        ExoidError: The pose is not that of such a leg, or the rate is not positive.
     """
+    checked(rate, "the rate of a controller [Hz]", above=0.0, ndim=0)
     # 5 rad/s is as low as document 2's errors suggest
-    M, frequency = ControlModel.of(source).mass_matrix(pose), 5.0
+    M, frequency = ControlModel.of(source).mass_matrix(checked(pose, "the pose")), 5.0
     inertia = np.diagonal(M)
     # a held torque −Kd v is unstable from Kd λ T / M_ii = 2; half of that leaves room for late readings
     fastest = float(np.linalg.eigvals(np.linalg.solve(M, np.diag(inertia))).real.max())

@@ -20,7 +20,7 @@ from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 from exoid.torques import TorqueModel
 
-from .law import AnyLaw, RunningLaw, name_of
+from .law import AnyLaw, RunningLaw, State, name_of, sound
 from .limited import Limited
 from .tracking import rms
 
@@ -174,12 +174,7 @@ def replay_law(
     for k, time in enumerate(times.tolist()):
         aim = Target(*(None if x is None else x[:, 0] for x in aims.at(time)))  # type: ignore[arg-type]
         with within(f"at {time:g} s"):
-            torque = run.command(q[k], v[k], aim)
-        if torque.shape != q[k].shape or not np.isfinite(torque).all():
-            what = f"the controller commands {torque} N·m at {time:g} s"
-            remedy = "check that it is for the joints of the log, and that its parameters are finite"
-            raise BadArgumentError(what, where=where, remedy=remedy)
-        commanded[k] = torque
+            commanded[k] = sound(run.command(q[k], v[k], aim), State(q[k], v[k]), aim)
     return LawReplay(
         label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew
     )

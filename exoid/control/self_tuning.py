@@ -26,7 +26,7 @@ from exoid.torques import Armature, Coulomb, Stiffness, Term, TorqueModel, Visco
 from exoid.torques.motion import random_motion
 
 from .friction import WIDTH
-from .law import RATE, State, acceleration, sound
+from .law import RATE, State, acceleration, refuse_shape, sound
 from .laws import pd
 from .model import ControlModel, ModelSource, completed, payload_covariance
 from .tracking_law import TrackingLaw
@@ -80,6 +80,7 @@ class SelfTuning:
     def begin(self, state: State) -> SelfTuningMemory:
         """Begin with the first values."""
         n = self.settings.n
+        refuse_shape(state, n, np.shape(state.q)[1:2])
         count = state.q.reshape(n, -1).shape[1]
         values = np.tile(self.source.values[:, None], count).reshape(-1, *state.q.shape[1:])
         unknown = np.full((3, n, count), np.nan)
@@ -89,7 +90,9 @@ class SelfTuning:
 
     def step(self, memory: SelfTuningMemory, state: State, target: Target) -> tuple[FloatArray, SelfTuningMemory]:
         """Compute the torque, and refresh the parameters by the torque held in ``state.last``; see the class."""
-        n, shape, feedback = self.settings.n, state.q.shape, self.feedback.torque(state, target)  # refuses bad numbers
+        n, shape = self.settings.n, np.shape(state.q)
+        refuse_shape(state, n, memory.values.shape[1:])
+        feedback = self.feedback.torque(state, target)  # refuses bad numbers
         memory = self._sampled(memory, state)
         values = memory.values.reshape(len(self.names), -1)
         share = min(1.0, 1.0 / (0.3 * self.rate))  # a time constant of 0.3 s: as long as the estimate is late

@@ -11,14 +11,13 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.codegen import Dialect, LawInC
 from exoid.codegen.templates import step_of
-from exoid.errors import BadArgumentError
 from exoid.leg.joint_numbers import for_joints
 from exoid.rig import Target
 from exoid.tools.numbers import checked
 
 from .c_description import describe
 from .friction import FrictionCompensation, model_to_compensate
-from .law import State, refuse_rate, sound, spread
+from .law import State, refuse_rate, refuse_shape, sound, spread
 from .model import ControlModel, ModelSource
 
 WHOLE = FrictionCompensation(drives=False)
@@ -54,10 +53,7 @@ class MotionFilter:
     def __post_init__(self) -> None:
         """Check bandwidth and rate."""
         refuse_rate(self.rate)
-        if not 0.0 < self.bandwidth < 0.5 * self.rate:
-            what = f"a filter of {self.bandwidth:g} Hz at {self.rate:g} Hz"
-            remedy = f"give a bandwidth between 0 and {0.5 * self.rate:g} Hz, or a higher rate"
-            raise BadArgumentError(what, remedy=remedy)
+        checked(self.bandwidth, "the bandwidth of the motion filter [Hz]", above=0.0, most=0.5 * self.rate, ndim=0)
 
     @property
     def pole(self) -> float:
@@ -124,10 +120,12 @@ class SensitivityAmplification:
 
     def begin(self, state: State) -> FilteredMotion:
         """Compute the memory before the first sample."""
+        refuse_shape(state, self.model.n, np.shape(state.q)[1:2])
         return self.filter.begin(state.q, state.v)
 
     def step(self, memory: FilteredMotion, state: State, target: Target) -> tuple[FloatArray, FilteredMotion]:
         """Compute the torque; see the class."""
+        refuse_shape(state, self.model.n, memory.q.shape[1:])
         with np.errstate(invalid="ignore"):  # what is not finite is refused below, by name
             moved = self.filter.step(memory, state.q, state.v)
         inertial = self.model.inverse_dynamics(moved.q, moved.v, moved.a) - self.model.statics(moved.q)

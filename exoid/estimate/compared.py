@@ -63,7 +63,7 @@ def to_predict(
     """Give an estimate the drives of recordings, bring these into the state of its training, and choose the filter."""
     # Torques are computed by the drives and shifted by the delays of the training, and late velocities are left out:
     # findings of each recording say so.
-    several = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    several = list(recordings) if isinstance(recordings, Iterable) else [recordings]
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"

@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.rig import Reference, Target
+from exoid.tools.numbers import checked
 
 
 class States(NamedTuple):
@@ -93,6 +94,10 @@ class Harmonics(Reference):
     frequency: FloatArray
     phase: FloatArray
 
+    def __post_init__(self) -> None:
+        for name in ("centre", "amplitude", "frequency", "phase"):
+            checked(getattr(self, name), name, ndim=3)
+
     @staticmethod
     def concatenate(motions: Sequence[Harmonics]) -> Harmonics:
         """Combine the rigs of several motions; sinusoids of amplitude zero make their number equal.
@@ -162,29 +167,24 @@ def fit_harmonics(time: ArrayLike, q: ArrayLike, period: float, count: int = 6) 
         >>> round(float(motion.at(0.5).q[0, 0]), 6)
         0.4
     """
-    t, angles = np.asarray(time, dtype=np.float64), np.asarray(q, dtype=np.float64)
-    if t.ndim != 1 or angles.ndim != 2 or len(t) != len(angles) or not np.isfinite(t).all() * np.isfinite(angles).all():
-        raise BadArgumentError(
-            f"no motion in times {t.shape} and angles {angles.shape}", remedy="give finite (N,) and (N, n) arrays"
-        )
-    if not 0.0 < period < np.inf or count < 1:
-        raise BadArgumentError(
-            f"{count} harmonics of a period of {period:g} s", remedy="give a positive period and count"
-        )
+    t, angles = checked(time, "the times [s]"), checked(q, "the angles [rad]", ndim=2)
+    if t.ndim != 1 or angles.ndim != 2 or len(t) != len(angles):
+        what = f"no motion in times {t.shape} and angles {angles.shape}"
+        raise BadArgumentError(what, remedy="give (N,) and (N, n) arrays")
+    checked([period, count], "the period [s] and the number of harmonics", above=0.0)
     frequency = 2.0 * np.pi / period * np.arange(1.0, count + 1.0)
     W = np.column_stack([np.ones_like(t), np.cos(np.outer(t, frequency)), np.sin(np.outer(t, frequency))])
     sigma = np.linalg.svd(W, compute_uv=False)
     if len(t) < W.shape[1] or sigma[-1] < 1e-3 * sigma[0]:
-        raise BadArgumentError(
-            f"{len(t)} samples do not determine {count} harmonics of {period:g} s",
-            remedy="give samples over a whole period, or fit fewer harmonics",
-        )
+        what = f"{len(t)} samples do not determine {count} harmonics of {period:g} s"
+        raise BadArgumentError(what, remedy="give samples over a whole period, or fit fewer harmonics")
     found = np.linalg.lstsq(W, angles)[0]
     return from_coefficients(found[0], found[1 : count + 1].T, found[count + 1 :].T, period)
 
 
 def from_coefficients(mean: FloatArray, cosine: FloatArray, sine: FloatArray, period: float) -> Harmonics:
     """Make the motion of one leg from Fourier coefficients."""
+    checked(period, "the period [s]", above=0.0, ndim=0)
     frequency = 2.0 * np.pi / period * np.arange(1.0, cosine.shape[1] + 1.0)[:, None, None]
     phase = np.arctan2(cosine, sine)  # a cos x + b sin x = c sin(x + phase)
     return Harmonics(mean[:, None], np.hypot(cosine, sine).T[..., None], frequency, phase.T[..., None])

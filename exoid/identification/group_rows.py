@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from os import PathLike
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
@@ -33,7 +32,7 @@ def check_recordings(given: Measured) -> Data:
     """Check that there is at least one recording, and nothing else; those on disk stay there."""
     if isinstance(given, Recordings) and len(given):
         return given
-    several = [given] if isinstance(given, (Recording, Poses, str, PathLike)) else list(given)
+    several = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
     wrong = [item for item in several if not isinstance(item, (Recording, Poses, Recordings))]
     if wrong or not several:
         what = f"{wrong[0]!r} is no recording" if wrong else "no recordings"

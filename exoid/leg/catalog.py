@@ -97,9 +97,8 @@ def load_exo(
 def _urdf(name: str, inertias: str | None) -> Path:
     """Path of the URDF of a built-in leg."""
     if name not in SEGMENTS:
-        raise BadArgumentError(
-            f"no built-in leg {name!r}", remedy=f"use one of {', '.join(SEGMENTS)}, or Leg.from_urdf"
-        )
+        remedy = f"use one of {', '.join(SEGMENTS)}, or Leg.from_urdf"
+        raise BadArgumentError(f"no built-in leg {name!r}", remedy=remedy)
     sets = [known for leg, known in URDFS if leg == name]
     inertias = sets[0] if inertias is None else inertias
     if inertias not in sets:

@@ -124,9 +124,8 @@ def read_description(path: str | Path) -> Description:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise UnreadableInputError(
-            f"not UTF-8 text (byte {error.start})", file=str(path), remedy="save the URDF as UTF-8 XML"
-        ) from error
+        what, remedy = f"not UTF-8 text (byte {error.start})", "save the URDF as UTF-8 XML"
+        raise UnreadableInputError(what, file=str(path), remedy=remedy) from error
     return describe(text, name=path.name)
 
 

@@ -13,6 +13,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError, nearest
 from exoid.tools.json_values import record
+from exoid.tools.numbers import checked
 
 from .differentiation import Accuracy, Kinematics, difference, motion_edge, smooth_motion
 from .filters.low_pass import TOLERANCE, design_frequency, noise_bandwidth, zero_phase
@@ -133,10 +134,9 @@ class ZeroPhase(Preparation):
     kinematics_cutoff: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("cutoff", "kinematics_cutoff"):
-            value = getattr(self, name)
-            if value is not None and not 0.0 < value < math.inf:
-                raise BadArgumentError(f"{name} is {value}", remedy="pass a positive frequency in Hz")
+        checked(self.cutoff, "cutoff [Hz]", above=0.0, ndim=0)
+        if self.kinematics_cutoff is not None:
+            checked(self.kinematics_cutoff, "kinematics_cutoff [Hz]", above=0.0, ndim=0)
 
     def kinematics_cutoff_at(self, rate: float) -> float:
         """Compute the cut-off frequency of the kinematics filter.
@@ -198,6 +198,9 @@ class Smoothed(Preparation):
     name: ClassVar[str] = "smoothed"
     cutoff: float = 10.0
 
+    def __post_init__(self) -> None:
+        checked(self.cutoff, "cutoff [Hz]", above=0.0, ndim=0)
+
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive."""
         recording = recording.resampled()
@@ -239,9 +242,7 @@ class MovingAverage(Preparation):
     alpha: float = 0.2
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.alpha <= 1.0:
-            remedy = "pass 0 < alpha ≤ 1, the weight of the newest sample"
-            raise BadArgumentError(f"alpha is {self.alpha}", remedy=remedy)
+        checked(self.alpha, "alpha, the weight of the newest sample,", above=0.0, most=1.0, ndim=0)
 
     def kinematics(self, recording: Recording) -> Kinematics:
         """Smooth and derive."""
@@ -269,9 +270,8 @@ PREPARATIONS: dict[str, type[Preparation]] = {
 def preparation_to_json(preparation: Preparation) -> dict[str, Any]:
     """Describe a preparation by its name and settings."""
     if PREPARATIONS.get(preparation.name) is not type(preparation):
-        raise BadArgumentError(
-            f"{type(preparation).__name__} has no name in files", remedy=f"use one of {', '.join(PREPARATIONS)}"
-        )
+        what = f"{type(preparation).__name__} has no name in files"
+        raise BadArgumentError(what, remedy=f"use one of {', '.join(PREPARATIONS)}")
     return {"name": preparation.name, **asdict(preparation)}  # type: ignore[call-overload]
 
 
@@ -285,6 +285,5 @@ def preparation_from_json(data: Mapping[str, Any]) -> Preparation:
     try:
         return record(PREPARATIONS[name], settings)
     except (TypeError, ValueError, LookupError, OverflowError) as error:
-        raise BadArgumentError(
-            f"the preparation {name!r} does not take {settings} ({error})", remedy="identify again, and save"
-        ) from error
+        what = f"the preparation {name!r} does not take {settings} ({error})"
+        raise BadArgumentError(what, remedy="identify again, and save") from error

@@ -9,6 +9,7 @@ import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
+from exoid.tools.numbers import checked
 
 from .recording import Recording
 
@@ -34,6 +35,6 @@ def without_torque_delay(
     for quantity in (one for one in late if getattr(recording, one) is not None):
         values = shifted[quantity] = getattr(even, quantity).copy()
         for joint in (one for one in delays if not np.isnan(values[0, one])):
-            at = np.clip(even.time + delays[joint], even.time[0], even.time[-1])
+            at = np.clip(even.time + checked(delays[joint], "a torque delay [s]"), even.time[0], even.time[-1])
             values[:, joint] = scipy.interpolate.CubicSpline(even.time, values[:, joint])(at)
     return replace(even, **shifted) if shifted else recording

@@ -25,12 +25,13 @@ def checked(
     kind, bounds = "numbers" if infinite else "finite numbers", ((">", above), ("≥", least), ("≤", most))
     remedy = f"give {kind}{' and'.join(f' {sign} {bound:g}' for sign, bound in bounds if np.isfinite(bound))}"
     try:
-        array = np.array(value, dtype=np.float64)
+        array = np.asarray(value).astype(np.float64, casting="same_kind")  # not of "8", which remains a text elsewhere
     except (TypeError, ValueError):
         raise BadArgumentError(f"{what} is {value!r}", remedy=remedy) from None
     good = (array > above) & (array >= least) & (array <= most) & (np.isfinite(array) | infinite)  # NaN is never good
     if array.ndim > ndim or not good.all():
-        raise BadArgumentError(f"{what} is {array.tolist()}", remedy=remedy)
+        wrong = array.tolist() if array.size < 10 else array[~good][:1].tolist() or f"of shape {array.shape}"
+        raise BadArgumentError(f"{what} is {wrong}", remedy=remedy)
     array.flags.writeable = False
     return array
 

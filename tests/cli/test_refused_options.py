@@ -101,7 +101,7 @@ REFUSED = {
         ("bleex walk.csv masked.csv --own offset --test walk.csv", "--test has no effect"),
         ("bleex walk.csv masked.csv --own offset --report r.html", "--report has no effect"),
     ],
-    "validate": [("est.json bleex_swing:test --cutoff -1", "cutoff is -1")],
+    "validate": [("est.json bleex_swing:test --cutoff -1", "cutoff [Hz] is -1")],
     "interaction": [("est.json walk.csv --strides a,b", "--strides a,b")],
 }
 """Arguments of each verb, and words of the line."""

@@ -15,6 +15,7 @@ from exoid.control import (
     State,
     compare_laws,
     computed_torque,
+    default_gains,
     feedforward_pd,
     gravity_friction_pd,
     gravity_support,
@@ -74,7 +75,7 @@ REFUSED = {
     ],
     "share": [(lambda x: gravity_support(LEG, x), bad) for bad in (1.1, -0.1, NAN, (0.5, 2.0), np.ones((2, 2)))],
     "amplification": [
-        (lambda x: sensitivity_amplification(LEG, x), bad) for bad in (0.5, INF, NAN, (2.0, 0.9), np.ones((2, 2)))
+        (lambda x: sensitivity_amplification(LEG, x), bad) for bad in (0.5, INF, NAN, "5", (2.0, 0.9), np.ones((2, 2)))
     ],
     "limit": [
         (lambda x: Limited(pd(1.0, 1.0), **x), bad)
@@ -82,7 +83,7 @@ REFUSED = {
     ],
     "bandwidth": [
         (lambda x: MotionFilter(*x), bad)
-        for bad in ((0.0, 100.0), (-5.0, 100.0), (50.0, 100.0), (NAN, 100.0), (5.0, 0.0))
+        for bad in ((0.0, 100.0), (-5.0, 100.0), (51.0, 100.0), (NAN, 100.0), ("5", 100.0), (5.0, 0.0))
     ],
     "target without acceleration": [
         *((lambda make: make(LEG, 1.0, 1.0).torque(REST, AIM), make) for make in (feedforward_pd, computed_torque)),
@@ -91,6 +92,9 @@ REFUSED = {
     "LQR": [
         (lambda x: lqr(**{"source": LEG, "pose": (0.1, 0.2), **x}), bad)
         for bad in ({"pose": (0.1, NAN)}, {"pose": (0.1, 0.2, 0.3)}, {"angle_deg": 0.0}, {"torque": INF}, {"rate": NAN})
+    ] + [
+        (lambda x: lqr(LEG, (0.1, 0.2), angle_deg=x), (1.0, 2.0, 3.0)),
+        *((lambda x: default_gains(LEG, *x), bad) for bad in ((np.zeros(2), -10.0), (np.array([NAN, 0.0]),))),
     ],
     "mean pose": [(lambda x: mean_pose(*x), bad) for bad in ((GAIT, 0.0), (GAIT, NAN), (TWO_GAITS, 10.0))],
     "self-tuning": [
@@ -98,7 +102,7 @@ REFUSED = {
         for bad in ({"kp": -1.0}, {"rate": 0.0}, {"payload": -1.0}, {"friction": NAN}, {"payload": INF})
     ],
     "model": [(ControlModel.of, bad) for bad in (None, "est.json", cuhk_plant().repeat(2))],
-    "law": [(stateful, {})],
+    "law": [(stateful, {}), (Limited, "pd"), (lambda name: gravity_support(LEG, friction=name), "smooth")],
     "run": [
         (lambda x: simulate_law(PLANT.repeat(x), pd(1.0, 1.0), GAIT, 1.0), 2),
         (lambda x: simulate_many(PLANT.repeat(2), pd(1.0, 1.0), GAIT, 1.0, names=x), ("one",)),
@@ -116,6 +120,13 @@ REFUSED = {
         (lambda aim, law=law: _step(stateful(law), REST, aim), MOVE._replace(**{name: bad}))
         for law in (pd(1.0, 1.0), gravity_friction_pd(LEG, 1.0, 1.0), impedance(LEG, 1.0, 1.0))
         for name, bad in (("q", np.ones(1)), ("v", np.ones(1)), ("q", np.ones((2, 1))))
+    ] + [
+        (lambda state, law=law: _step(law, state, Target(state.q, state.v, state.v)), State(np.zeros(q), np.zeros(v)))
+        for law in (sensitivity_amplification(LEG, 2.0), self_tuning(LEG, 1.0, 1.0))
+        for q, v in ((3, 3), (2, 3), ((), ()), ((1, 2), (1, 2)), ((2, 1), 2))
+    ] + [
+        (lambda law: law.step(law.begin(REST), _state((2, 3)), _aim((2, 3))), law)
+        for law in (sensitivity_amplification(LEG, 2.0), self_tuning(LEG, 1.0, 1.0))
     ] + [
         *(
             (lambda x: _step(sensitivity_amplification(LEG, 2.0), REST._replace(v=np.array([x, 0.0])), None), bad)

@@ -99,6 +99,8 @@ REFUSED = {
         ("3 samples", lambda: fit(3, 3, 1)),
         ("do not determine", lambda: fit(6, 100, 1, last=0.1, period=1.0)),
         ("no motion", lambda: fit(1, 5)),
+        *(("period", lambda x=x: healthy_gait(period=x)) for x in (0.0, np.nan, "10")),
+        ("amplitude", lambda: healthy_gait(np.nan)),
         ("left_knee", beyond_the_end_stops),
         ("left_ankle for 57.3", lambda: refuse_poses_beyond_limits(BLEEX, [[0.0, -0.1, 1.0]])),
         *(

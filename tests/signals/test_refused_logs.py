@@ -10,7 +10,7 @@ import pytest
 from exoid import BaseMotion, Recording, TorsoMotion, Wrench
 from exoid.errors import BadArgumentError, NotSupportedError, UnreadableInputError
 from exoid.leg.payload import Payload
-from exoid.signals import Column, MovingAverage, ZeroPhase, contacts_from_wrench, zero_phase
+from exoid.signals import Column, MovingAverage, Smoothed, ZeroPhase, contacts_from_wrench, zero_phase
 from exoid.signals.differentiation import difference, smooth_motion
 
 N = 60
@@ -109,7 +109,8 @@ BAD_ARGUMENTS = {
     "payload in mm": lambda: Payload("hip", 1.0, (0.0, 0.0, -300.0)),
     "half the rate": lambda: zero_phase(ZERO, 50.0, 25.0),
     "no cut-off of a filter": lambda: zero_phase(ZERO, 50.0, np.nan),
-    "preparation without cut-off": lambda: ZeroPhase(0.0),
+    "cut-off of text": lambda: ZeroPhase("8"),
+    "smoothing without cut-off": lambda: Smoothed(0.0),
     "negative cut-off": lambda: ZeroPhase(kinematics_cutoff=-1.0),
     "weight of nothing": lambda: MovingAverage(0.0),
     "rate too low": lambda: ZeroPhase().kinematics(recording(time=5.0 * TIME, v=None)),

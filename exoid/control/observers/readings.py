@@ -64,18 +64,14 @@ class ObservedTorque:
         """Number of times that each joint is detected anew, (n,)."""
         return np.asarray((np.diff(self.detected.astype(np.int8), axis=0, prepend=0) > 0).sum(axis=0), dtype=np.float64)
 
-    def __len__(self) -> int:
-        """Count the samples."""
-        return len(self.time)
-
     def __repr__(self) -> str:
         """Write the size in one line."""
-        return f"ObservedTorque({len(self)} samples; joints: {', '.join(self.joint_names)})"
+        return f"ObservedTorque({len(self.time)} samples; joints: {', '.join(self.joint_names)})"
 
     def __str__(self) -> str:
         """Print a table with a row for each joint, after the observer has settled."""
         headers = ("joint", "rms [N·m]", "peak [N·m]", "std [N·m]", "detected [%]", "alarms", "delay [ms]")
-        torque = self.torque[min(self.settling, len(self) - 1) :]
+        torque = self.torque[min(self.settling, len(self.time) - 1) :]
         rms, share = np.sqrt(np.mean(torque**2, axis=0)), 100.0 * self.detected.mean(axis=0)
         std, peak = np.sqrt(np.mean(self.std**2, axis=0)), np.abs(torque).max(axis=0)
         rows = [

@@ -10,6 +10,7 @@ import scipy  # its parts load when they are first used
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.signals import Recording
+from exoid.tools.numbers import checked
 
 
 class GaitProfile(NamedTuple):
@@ -36,7 +37,7 @@ def find_phase(recording: Recording, strides: ArrayLike | None = None) -> tuple[
     # angles. That period is the lag at which their autocorrelation peaks. The phase is that of the strongest harmonic
     # (its analytic signal), so that it follows a cadence that changes slowly.
     if strides is not None:
-        times = np.atleast_1d(np.asarray(strides, dtype=np.float64))
+        times = np.atleast_1d(checked(strides, "the times of strides [s]"))
         rising = times.ndim == 1 and len(times) > 1 and np.isfinite(times).all() and bool((np.diff(times) > 0.0).all())
         if not rising or times[0] >= recording.time[-1] or times[-1] <= recording.time[0]:
             within = f"{recording.time[0]:g} to {recording.time[-1]:g} s"
