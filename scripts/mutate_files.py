@@ -2,7 +2,7 @@
 
     python scripts/mutate_files.py [--files 20000] [--kinds mat,parquet,…] [--seed 0]
 
-A finding is a child that dies, uses more than 1 GB, or takes more than 20 s on one file, or an error that is no
+A finding is a child that dies, uses more than 300 MB, or takes more than 20 s on one file, or an error that is no
 ExoidError of one line. The file of each finding is kept in ``mutated/``; the exit status is their number. Each line
 also has how many files were accepted and refused, the largest memory of the processes, and the longest time of a file.
 """
@@ -26,7 +26,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 
-MOST_MEMORY, MOST_SECONDS = 2**30, 20.0
+MOST_MEMORY, MOST_SECONDS = 300_000_000, 20.0
 """Largest memory of the process that reads [bytes], and longest time for one file [s]."""
 
 KINDS = (
@@ -49,6 +49,8 @@ KINDS = (
     "glb",
     "columns.toml",
     "drives.toml",
+    "loops.toml",
+    "loops.xml",
 )
 MESHES = ("stl", "ply", "obj", "dae", "glb")
 """Kinds that are meshes."""
@@ -71,7 +73,8 @@ class Finding(NamedTuple):
 def seeds(folder: Path) -> dict[str, bytes]:
     """Write a small valid file of each kind, and read its bytes."""
     sys.path.insert(0, str(ROOT / "tests"))
-    import log_writers  # noqa: PLC0415 - a module of the tests
+    import closed_machines  # noqa: PLC0415 - a module of the tests
+    import log_writers  # noqa: PLC0415
     import one_joint  # noqa: PLC0415
     import trimesh  # noqa: PLC0415
     from rosbags.rosbag2 import StoragePlugin  # noqa: PLC0415 - an extra
@@ -121,6 +124,9 @@ def seeds(folder: Path) -> dict[str, bytes]:
     (folder / "drives.toml").write_text(
         '[hip]\ntype = "motor"\ntorque_constant = 0.1\nratio = 50.0\nrotor_inertia = 2e-5\nefficiency = 0.9\n'
     )
+    machine = closed_machines.four_bar_knee(0)
+    (folder / "loops.toml").write_text(machine.loops, encoding="utf-8")
+    (folder / "loops.xml").write_text(closed_machines.to_mjcf(machine).to_xml(), encoding="utf-8")
     return {kind: (folder / kind).read_bytes() for kind in KINDS}
 
 
@@ -155,6 +161,7 @@ def mutated(content: bytes, rng: np.random.Generator) -> bytes:
 def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
     """Find the function that reads a file of a kind."""
     import exoid  # noqa: PLC0415
+    from exoid.leg.loops import Loops  # noqa: PLC0415
     from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
 
     leg = exoid.Leg.from_urdf(folder / "one.urdf")
@@ -164,6 +171,7 @@ def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
         "forces.sto": exoid.signals.read_opensim_forces,
         "columns.toml": _read_by_columns,
         "drives.toml": lambda path: exoid.actuators.read_actuators(path, leg),
+        **dict.fromkeys(("loops.toml", "loops.xml"), Loops.read),
         **dict.fromkeys(MESHES, lambda path: load_mesh(path, np.ones(3))),
     }
     return readers.get(kind, exoid.Recording.from_file)

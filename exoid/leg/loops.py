@@ -15,10 +15,11 @@ import pinocchio as pin
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError, UnreadableInputError, in_file
 from exoid.tools.extras import require_mujoco
+from exoid.tools.files import read_bounded
 from exoid.tools.json_values import json_value, record
 from exoid.tools.toml import read_toml
 
-from .description import LARGEST_NUMBER
+from .description import LARGEST_NUMBER, LARGEST_URDF
 
 LoopKind = Literal["pin", "ball", "weld"]
 """What coincides at a loop: an axis, a point, or all of two frames."""
@@ -105,6 +106,7 @@ def _of_mjcf(path: str) -> Loops:
     """Read ``<connect>`` and ``<weld>`` of an MJCF. Joints of the loops without an actuator are dependent."""
     mujoco = require_mujoco()
     try:
+        read_bounded(path, LARGEST_URDF, "give an MJCF").decode("utf-8")  # MuJoCo's names are read so, too
         model = mujoco.MjModel.from_xml_path(path)
     except ValueError as error:
         raise UnreadableInputError(f"MuJoCo cannot read it ({error})", remedy="give an MJCF, or a TOML file") from None

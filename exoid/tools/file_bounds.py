@@ -8,10 +8,10 @@ from pathlib import Path
 
 from exoid.errors import ExoidError, UnreadableInputError
 
-MOST_MEMORY = 2**27
+MOST_MEMORY = 2**26
 """Size of numbers in memory from which on the expansion of a file is checked [bytes]."""
 
-READER_MEMORY = 2**29
+READER_MEMORY = 2**26
 """Memory that a reader needs beside the content of the file [bytes]."""
 
 
@@ -35,10 +35,9 @@ def refuse_expansion(memory: int, path: Path) -> None:
     """Refuse a file whose content is far larger than the file, which may be made to fill the memory."""
     size = size_on_disk(path)
     if memory > most_memory(size):
-        raise UnreadableInputError(
-            f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements",
-            remedy="check where the file comes from; write it without compression if it is valid",
-        )
+        what = f"{size} bytes would become {memory / 1e6:.0f} MB in memory, which is not plausible for measurements"
+        remedy = "check where the file comes from; write it without compression if it is valid"
+        raise UnreadableInputError(what, remedy=remedy)
 
 
 @contextmanager
@@ -49,7 +48,7 @@ def reading(kind: str, remedy: str) -> Iterator[None]:
     except (ExoidError, KeyboardInterrupt, SystemExit, GeneratorExit):
         raise
     except MemoryError:
-        raise UnreadableInputError(f"too large for the memory, or a damaged {kind}", remedy=remedy) from None
+        raise UnreadableInputError(f"too large for the memory, or damaged: not {kind}", remedy=remedy) from None
     except BaseException as problem:  # panics of polars are not of class Exception
         what = " ".join(str(problem).split())[:200] or type(problem).__name__
         raise UnreadableInputError(f"cannot be read as {kind}: {what}", remedy=remedy) from None

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import codecs
 import errno
+import glob
 import hashlib
 import json
 import os
 import secrets
 import shutil
 import stat
+import time
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -36,7 +38,7 @@ def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> byt
             raise UnreadableInputError(what, file=str(path), remedy=remedy)
         with Path(path).open("rb") as opened:
             content = opened.read(largest + 1)
-    except (OSError, ValueError) as error:
+    except (OSError, TypeError, ValueError) as error:
         what = f"cannot be read ({getattr(error, 'strerror', None) or error})"
         raise UnreadableInputError(what, file=str(path), remedy=remedy) from error
     if len(content) > largest:
@@ -46,9 +48,8 @@ def read_bounded(path: str | os.PathLike[str], largest: int, remedy: str) -> byt
 
 def read_json(path: str | os.PathLike[str], what: str, schema: str, remedy: str) -> dict[str, Any]:
     """Read a file of a schema that exoid wrote."""
-    content = read_bounded(path, 2**26, remedy)  # exoid writes no longer one
     try:
-        data = json.loads(content.decode("utf-8"))
+        data = json.loads(read_bounded(path, 2**26, remedy).decode("utf-8"))  # exoid writes no longer one
     except (ValueError, RecursionError) as error:  # not UTF-8, not JSON, a number of ten thousand digits
         raise UnreadableInputError(f"no {what}: not JSON ({error})", file=str(path), remedy=remedy) from error
     if not isinstance(data, dict) or data.get("schema") != schema:
@@ -162,11 +163,8 @@ def make_folder(folder: str | os.PathLike[str]) -> Path:
         reason = error.what
     else:
         return path
-    raise BadArgumentError(
-        f"cannot write files into this folder ({reason})",
-        where=str(folder),
-        remedy="name a new folder, or one with write permission",
-    )
+    what, remedy = f"cannot write files into this folder ({reason})", "name a new folder, or one with write permission"
+    raise BadArgumentError(what, where=str(folder), remedy=remedy)
 
 
 def _target(path: str | os.PathLike[str]) -> Path:
@@ -197,8 +195,13 @@ def _is_standard_output(target: Path) -> bool:
 
 
 def _beside(target: Path, ending: str) -> Path:
-    """Make a new hidden name in the same folder."""
-    return target.with_name(f".{target.name[:40]}.{secrets.token_hex(8)}.{ending}")  # names have at most 255 bytes
+    """Make a new hidden name in the same folder, and remove such parts of the file that a killed process left."""
+    start = f".{target.name[:40]}."  # names have at most 255 bytes
+    for part in target.parent.glob(f"{glob.escape(start)}{'[0-9a-f]' * 16}.part"):
+        with suppress(OSError):
+            if time.time() - part.stat().st_mtime > 3600.0:  # nobody writes at a file for an hour
+                part.unlink()
+    return target.with_name(f"{start}{secrets.token_hex(8)}.{ending}")
 
 
 def _write_part(part: Path, target: Path, pieces: Iterable[bytes]) -> None:
@@ -226,5 +229,5 @@ def writing(path: str | os.PathLike[str]) -> Iterator[None]:
             where=str(path),
             remedy="write into an existing folder for which you have permission, on a disk with free space",
         ) from None
-    except ValueError as problem:  # a null byte in the name
+    except (TypeError, ValueError) as problem:  # a null byte in the name, or no name
         raise BadArgumentError(f"cannot be written: {problem}", where=repr(path), remedy="give another name") from None

@@ -40,7 +40,9 @@ def read_in_child(reader: Callable[..., R], file: str, **arguments: Any) -> R:  
     except (OSError, ValueError):
         size = 0  # the reader has a better message
     with in_file(file), _LOCK:
-        reply = _child(reader.__module__).ask((reader, file, arguments), most_memory(size), most_seconds(size))
+        child = _child()
+        child.ask((_import, reader.__module__, {}), 2**29, 120.0)  # imports do not count as memory of the file
+        reply = child.ask((reader, file, arguments), READER_MEMORY + most_memory(size), most_seconds(size))
         if isinstance(reply, ExoidError):
             raise reply
         return cast("R", reply)
@@ -58,7 +60,7 @@ class Child:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
-                env={"POLARS_MAX_THREADS": "4", **os.environ},  # each needs memory
+                env={"POLARS_MAX_THREADS": "4", "OPENBLAS_NUM_THREADS": "1", **os.environ},  # threads need memory
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except (OSError, ValueError) as error:
@@ -83,7 +85,7 @@ class Child:
         timer.start()
         reply: object = None
         try:
-            requests.write(pickle.dumps((_folder(), READER_MEMORY + memory, request)))
+            requests.write(pickle.dumps((_folder(), memory, request)))
             requests.flush()
             reply = pickle.load(replies)
         except Exception:  # of a pipe that breaks, or of half a pickle
@@ -122,14 +124,12 @@ _CHILDREN: list[Child] = []
 """The child process that this process has started; none or one."""
 
 
-def _child(module: str) -> Child:
-    """Find the child process, or start one that imports a module."""
+def _child() -> Child:
+    """Find the child process, or start one."""
     if _CHILDREN and (_CHILDREN[0].owner != os.getpid() or _CHILDREN[0].process.poll() is not None):
         _end()
     if not _CHILDREN:
-        child = Child()
-        child.ask((_import, module, {}), 0, 120.0)  # its imports do not count as time of the file
-        _CHILDREN.append(child)
+        _CHILDREN.append(Child())
     return _CHILDREN[0]
 
 

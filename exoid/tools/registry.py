@@ -69,20 +69,16 @@ class Registry(Generic[T]):
         try:
             return kind()
         except TypeError as error:
-            raise BadArgumentError(
-                f"the {self.what} {name!r} cannot be made without settings ({error})",
-                remedy=f"pass {kind.__name__}(...) to exoid.identify in Python",
-            ) from error
+            what = f"the {self.what} {name!r} cannot be made without settings ({error})"
+            raise BadArgumentError(what, remedy=f"pass {kind.__name__}(...) to exoid.identify in Python") from error
 
     def to_json(self, thing: T) -> dict[str, Any]:
         """Describe an object by the name of its class, by its module if that is not of exoid, and by its settings."""
         kind = type(thing)
         name = next((name for name, known in self.classes.items() if known is kind), None)
         if name is None:
-            raise BadArgumentError(
-                f"{kind.__name__} has no name in files",
-                remedy=f'give it one: {self.call}("name", {kind.__name__})',
-            )
+            remedy = f'give it one: {self.call}("name", {kind.__name__})'
+            raise BadArgumentError(f"{kind.__name__} has no name in files", remedy=remedy)
         origin = {} if kind.__module__.partition(".")[0] == "exoid" else {ORIGIN: kind.__module__}
         settings = {
             field.name: _value_to_json(getattr(thing, field.name), f"{kind.__name__}({field.name}=")

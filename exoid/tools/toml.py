@@ -27,9 +27,8 @@ parse_toml = tomllib.loads
 def read_toml(path: Path, example: str) -> dict[str, Any]:
     """Read a file; the example says what to write."""
     remedy = f"write {example}"
-    # nobody writes more than 1 MB by hand, and its content takes hundreds of times as much
-    content = read_bounded(path, 2**20, f"give the path of a TOML file; {remedy}")
-    try:
+    try:  # nobody writes more than 1 MB by hand, and its content takes hundreds of times as much
+        content = read_bounded(path, 2**20, f"give the path of a TOML file; {remedy}")
         data = tomllib.loads(content.decode("utf-8-sig"))
         _refuse_long_integers(data)
     except (ValueError, RecursionError) as error:  # also not UTF-8

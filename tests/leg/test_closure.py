@@ -184,8 +184,10 @@ def test_what_exoid_cannot_read_in_an_mjcf_is_refused(tmp_path):
         type=mujoco.mjtEq.mjEQ_JOINT, name1="front_pin", name2="rear_pin", objtype=mujoco.mjtObj.mjOBJ_JOINT
     )
     spec.compile()
-    for text, error in ((spec.to_xml(), NotSupportedError), ("<mujoco", UnreadableInputError)):
-        (tmp_path / "leg.xml").write_text(text)
+    latin = to_mjcf(machine).to_xml().replace("shank", "jambe_pliée")
+    texts = ((spec.to_xml(), NotSupportedError), ("<mujoco", UnreadableInputError), (latin, UnreadableInputError))
+    for text, error in texts:
+        (tmp_path / "leg.xml").write_text(text, encoding="latin-1")
         with pytest.raises(error, match=r"leg\.xml"):
             Leg.from_urdf(tmp_path / "leg.urdf", loops=tmp_path / "leg.xml")
 

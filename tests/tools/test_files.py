@@ -23,6 +23,18 @@ def write(request):
     return WRITERS[request.param]
 
 
+def test_what_a_killed_writer_left_an_hour_ago_is_removed_and_what_is_younger_stays(write, tmp_path):
+    old, young, other = (
+        tmp_path / f".{file}.{two * 8}.part" for file, two in (("file", "0a"), ("file", "0b"), ("x", "0a"))
+    )
+    for part in (old, young, other):
+        part.touch()
+    for part in (old, other):
+        os.utime(part, (0.0, 0.0))
+    write(tmp_path / "file")
+    assert {*tmp_path.iterdir()} == {tmp_path / "file", young, other}
+
+
 @posix
 def test_a_link_stays_a_link_and_its_file_is_written(write, tmp_path):
     (tmp_path / "elsewhere").mkdir()
