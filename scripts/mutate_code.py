@@ -3,6 +3,7 @@
     python scripts/mutate_code.py                              # 60 mutations, a line each; then a table by rooms
     python scripts/mutate_code.py --room regression --count 8  # mutations of one room
     python scripts/mutate_code.py --jobs 2 --seconds 300       # two at once; longest processor time of each
+    python scripts/mutate_code.py --count 200 --first 142      # the last 59 of 200
 
 The seed chooses the mutations, as many in each room. Each is made in a copy of the repository. The tests of its room
 run first, then those elsewhere that import the room, up to the first failure. The test that fails must pass without
@@ -182,12 +183,14 @@ def main() -> None:
     """Run the mutations, and print what was caught."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=60, help="number of mutations")
+    parser.add_argument("--first", type=int, default=1, help="the first of them to try, counted from 1")
     parser.add_argument("--seed", type=int, default=1, help="seed of their choice")
     parser.add_argument("--room", action="append", help=f"rooms to mutate; default {', '.join(CORE)}")
     parser.add_argument("--seconds", type=int, default=120, help="longest processor time of the tests of a mutation")
     parser.add_argument("--jobs", type=int, default=1, help="mutations at once")
     options = parser.parse_args()
     rooms = options.room or list(CORE)
+    chosen = choose(rooms, options.count, options.seed)
     table: Counter[tuple[str, str]] = Counter()
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.jobs) as pool:
         copies: queue.Queue[Path] = queue.Queue()
@@ -203,7 +206,7 @@ def main() -> None:
             text = f"{outcome.verdict:12} {mutation.path}:{mutation.line} {outcome.test}"
             print(f"{text}\n    - {mutation.before.strip()}\n    + {mutation.after.strip()}", flush=True)
 
-        for done in [pool.submit(work, mutation) for mutation in choose(rooms, options.count, options.seed)]:
+        for done in [pool.submit(work, mutation) for mutation in chosen[options.first - 1 :]]:
             done.result()
     verdicts = ("caught", "survived", "not decided")
     print(f"\n{'seed ' + str(options.seed):18}" + "".join(f"{verdict:>13}" for verdict in verdicts))

@@ -61,10 +61,6 @@ def test_nothing_below_the_command_line_imports_the_table_of_contents():
             assert path.parent != package or not sideways.search(text), path
 
 
-def test_a_name_that_does_not_exist_is_an_attribute_error():
-    assert not hasattr(exoid, "identity")
-
-
 @pytest.mark.parametrize("package", [exoid, exoid.view])
 def test_type_checkers_and_python_read_the_same_table_of_contents(package):
     stub = ast.parse(Path(package.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))

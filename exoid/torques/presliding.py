@@ -59,7 +59,6 @@ class Presliding:
         # z_k ← factor_k z_{k−1} + x_k from z_{−1} = start on, by composing maps over 1, 2, 4, … reversals
         x, reach = (1.0 - factor) * directions, 1
         x[0] += factor[0] * start
-        factor[0] = 0.0
         while reach < len(x) and factor[reach:].any():
             x[reach:] += factor[reach:] * x[:-reach].copy()
             factor[reach:] *= factor[:-reach].copy()

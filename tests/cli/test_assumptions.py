@@ -36,20 +36,12 @@ def test_known_prior_and_bounds_reach_the_estimate(tmp_path, data):
     assert "known: X1 = 4.1" in done.output
 
 
-@pytest.fixture(scope="module")
-def two(tmp_path_factory):
-    """Estimates from the two halves of one swing."""
-    folder, paths = tmp_path_factory.mktemp("two"), []
-    for name, part in (("a", "bleex_swing:train"), ("b", "bleex_swing:test")):
-        path = folder / f"{name}.json"
-        assert run("identify", "bleex_swing", part, "-o", str(path), "--no-check").exit_code == 0
-        paths.append(str(path))
-    return paths
-
-
-def test_compare_prints_a_table_or_json(two):
-    first, second = (Estimate.load(path) for path in two)
-    expected = exoid.compare(first, second)
+def test_compare_prints_a_table_or_json(tmp_path, data):
+    two, halves = [str(tmp_path / name) for name in ("a.json", "b.json")], (data.train, data.test)
+    estimates = [exoid.identify(data.leg, half, check=False) for half in halves]
+    for estimate, path in zip(estimates, two, strict=True):
+        estimate.save(path)
+    expected = exoid.compare(*estimates)
     printed = run("compare", *two)
     assert printed.exit_code == 0
     assert printed.output.strip() == str(expected).strip()

@@ -6,7 +6,9 @@ from swings import TERMS, Swing
 from unchecked import identify
 
 import exoid
-from exoid.regression.diagnostics import identifiability_class, other_scale
+from exoid.regression.diagnostics import identifiability_class, other_scale, parameter_scale
+from exoid.regression.fit import samples_left
+from exoid.regression.least_squares import RFactor
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
@@ -57,6 +59,16 @@ def test_sizes_are_what_explains_the_torque_of_a_joint_alone(swing):
     tau = np.linalg.norm(swing.torque[1:-1], axis=0)
     expected = [min(tau[j] / W[j, i] for j in range(3) if W[j, i] > 0.0) for i in range(W.shape[1])]
     np.testing.assert_allclose(estimate.parameter_scale, expected, rtol=1e-9)
+
+
+def test_a_parameter_that_left_no_trace_has_no_size():
+    np.testing.assert_array_equal(parameter_scale([RFactor(np.diag([2.0, 0.0, 4.0]), 9, 9.0)]), [2.0, 0.0])
+
+
+def test_degrees_of_freedom_are_those_of_the_group_that_determines_a_parameter():
+    groups = [RFactor(np.diag([*sizes, 1.0]), 9, 9.0) for sizes in ((10.0, 0.1), (0.1, 10.0))]
+    left, each = samples_left(groups, np.eye(2) / 100.01, [1000.0, 20.0], free=2)
+    np.testing.assert_allclose([left, each], [(999.0, 19.0)] * 2, rtol=1e-3)
 
 
 def test_white_residuals_are_called_white_and_all_count(estimate):

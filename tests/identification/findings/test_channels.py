@@ -25,7 +25,7 @@ def test_a_quantised_signal_has_no_rail_at_its_peak_and_is_not_stuck():
     leg, log = clean()
     smooth = with_column(log, "tau", 1, lambda x: np.round(10.0 * np.sin(log.time) / 0.05) * 0.05)
     assert "saturation" not in kinds(exoid.check(leg, smooth))
-    coarse = with_column(log, "tau", 2, lambda x: np.round(13.0 * x / np.ptp(x)))  # 13 levels, while the leg moves
+    coarse = with_column(log, "tau", 1, lambda x: np.round(13.0 * x / np.ptp(x)))  # 13 levels, while the leg moves
     assert "stuck-channel" not in kinds(exoid.check(leg, coarse))
 
 
@@ -42,6 +42,13 @@ def test_lost_messages_are_no_spikes_and_a_few_are_not_named(every, named):
     lost = np.arange(len(log)) % every == every // 2  # more than four
     far = with_column(log, "tau", 1, lambda x: np.where(lost, 0.0, x + 3.0 * x.std()))
     assert kinds(exoid.check(leg, far)) & {"dropout", "spikes"} == named
+
+
+def test_four_spikes_of_a_short_log_are_named_and_three_are_not():
+    leg, log = clean()
+    for count, part in ((4, log.slice(0, 1900)), (3, log.slice(0, 1500))):
+        far = (np.arange(len(part)) % 500 == 250) * 9.0 * part.tau[:, 1].std()
+        assert ("spikes" in kinds(exoid.check(leg, with_column(part, "tau", 1, far.__add__)))) == (count == 4)
 
 
 def test_angles_of_a_slower_bus_repeat_and_those_of_a_coarse_encoder_do_not():
