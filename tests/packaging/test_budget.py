@@ -13,15 +13,15 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (7230, 5000),
     "estimate": (3460, 2900),
     "experiments": (3355, 3200),
-    "identification": (8045, 7200),
+    "identification": (8044, 7200),
     "lab": (4443, 5000),
     "leg": (4470, 4200),
     "online": (1534, 1500),
     "regression": (1720, 2300),
     "rig": (3266, 3200),
     "signals": (5987, 5300),
-    "tools": (1056, 1800),
-    "torques": (2671, 2800),
+    "tools": (1054, 1800),
+    "torques": (2670, 2800),
     "view": (3602, 3400),
 }
 
