@@ -94,21 +94,23 @@ def correlated_uncertainty(rows: RowSource, fit: Fit) -> Uncertainty:
     """Uncertainty of a least-squares estimate for correlated noise that need not be stationary, nor independent."""
     found = sandwich(rows, fit)
     changes, dofs, blocks = jackknife(rows, fit, found.noises)
-    return Uncertainty(combine(found.covariance, changes), dofs, found.noises) if blocks else found
+    return Uncertainty(combine(found.covariance, changes, blocks), dofs, found.noises) if blocks else found
 
 
-def combine(covariance: FloatArray, changes: FloatArray) -> FloatArray:
-    """Combine the covariance of a noise model with changes D whose squares add up to variances, (B, P)."""
-    # DᵀD is singular, as blocks are few. With D in units of the noise model, and axes E of its correlations R, it is
-    # averaged with E diag(EᵀDᵀDE) Eᵀ. A combination that the log determines stays certain, as D along its axis is
-    # small. To scale each parameter alone would make it as uncertain as the parameters that it confounds.
+def combine(covariance: FloatArray, changes: FloatArray, blocks: int) -> FloatArray:
+    """Combine the covariance of a noise model with changes D by blocks, whose squares add up to variances."""
+    # DᵀD is singular, as blocks B are few. With D in units of the noise model, and axes E of its correlations R, it is
+    # averaged with E diag(EᵀDᵀDE) Eᵀ, which counts as P blocks. A combination that the log determines stays certain, as
+    # D along its axis is small. To scale each parameter alone makes it as uncertain as those that it confounds.
     scale = np.sqrt(np.maximum(np.diag(covariance), TINY**2))
     sizes, E = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
     D = changes / scale
-    root = np.hstack([E * np.linalg.norm(D @ E, axis=0), D.T]) / math.sqrt(2.0)
+    aim = np.linalg.norm(D, axis=0)
+    share = blocks / (blocks + np.count_nonzero(aim))
+    root = np.hstack([math.sqrt(1.0 - share) * E * np.linalg.norm(D @ E, axis=0), math.sqrt(share) * D.T])
     # Variances are those of D as far as this leaves the rest certain: (R⁻¹)_ii^(−½) of a deviation is a parameter's own
     own = 1.0 / np.sqrt(E**2 @ (1.0 / np.maximum(sizes, max(RANK_OF_SQUARES * sizes[-1], TINY))))
-    averaged, aim = np.linalg.norm(root, axis=1), np.linalg.norm(D, axis=0)
+    averaged = np.linalg.norm(root, axis=1)
     ratio = np.divide(aim, averaged, out=np.ones(len(aim)), where=averaged > 0.0)
     root *= (scale * (1.0 + own * (ratio - 1.0)))[:, None]
     return np.asarray(root @ root.T)

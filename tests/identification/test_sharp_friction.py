@@ -50,7 +50,7 @@ def test_smooth_friction_alone_misses_it(recordings):
     for leg, recording in recordings:
         errors, cover = outcome(leg, recording, SMOOTH)
         assert min(errors[f"d_{joint}"] for joint in ("hip", "knee", "ankle")) > JOINT_LIMIT
-        assert cover < 0.7
+        assert cover < 0.75
 
 
 @pytest.mark.nightly

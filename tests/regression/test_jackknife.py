@@ -99,7 +99,7 @@ def test_what_a_log_determines_stays_certain_beside_what_it_confounds():
     model = axes @ np.diag((std * np.array([1.0, 2.0, 0.5, 1.0, 2.0, 0.5])) ** 2) @ axes.T
     for _ in range(20):
         changes = rng.standard_normal((20, 6)) / np.sqrt(20.0) * std @ axes.T
-        covariance = combine(model, changes)
+        covariance = combine(model, changes, 20)
         said = np.sqrt(np.diag(axes.T @ covariance @ axes))
         assert (0.4 * std < said).all()
         assert (said < 2.0 * std).all()
@@ -111,7 +111,7 @@ def test_what_a_log_determines_stays_certain_beside_what_it_confounds():
 def test_variances_are_those_of_the_blocks_where_nothing_is_confounded():
     rng = np.random.default_rng(8)
     changes = rng.standard_normal((20, 5)) * np.array([1.0, 3.0, 0.1, 1e-4, 1e4])
-    covariance = combine(np.diag([1.0, 1.0, 1.0, 1e-8, 1e8]), changes)
+    covariance = combine(np.diag([1.0, 1.0, 1.0, 1e-8, 1e8]), changes, 20)
     np.testing.assert_allclose(np.diag(covariance), (changes**2).sum(axis=0), rtol=1e-9)
     assert np.linalg.eigvalsh(covariance / np.sqrt(np.multiply.outer(*[np.diag(covariance)] * 2))).min() > 0.1
 
