@@ -1,8 +1,11 @@
 """Commands of drives in C are those of Python, and friction of coupled motors too."""
 
+import ctypes
+
 import numpy as np
 import pytest
-from compiled import CompiledLeg, made_up, needs_compiler
+from compiled import COMPILER, CompiledLeg, made_up, needs_compiler
+from compiled_laws import CompiledLaw, build, records, write_all
 
 import exoid
 from exoid import Viscous
@@ -17,6 +20,8 @@ from exoid.actuators import (
     read_actuators,
 )
 from exoid.codegen import c_source
+from exoid.control import State, gravity_friction_pd, pd
+from exoid.rig import Target
 
 LEG = exoid.load_leg("bleex")
 MATRIX = ((0.05, 0.06), (0.07, -0.04))
@@ -70,6 +75,16 @@ def test_a_torque_is_made_also_while_the_velocity_is_unknown(tmp_path) -> None:
 
 
 @needs_compiler
+def test_a_law_turns_its_torque_into_commands_of_the_drives(tmp_path) -> None:
+    source = c_source(pd((60.0, 40.0, 20.0), 2.0), actuators=DRIVES["mixed"])
+    assert source.functions == ("law_init", "law_step", "law_command")
+    library = build(COMPILER, ("-O2", "-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "a.so")
+    q, v, torque, found = *np.random.default_rng(0).normal(size=(3, 3)), np.zeros(3)
+    ctypes.CDLL(str(library)).law_command(*(x.ctypes.data_as(ctypes.c_void_p) for x in (q, v, torque, found)))
+    np.testing.assert_allclose(found, DRIVES["mixed"].command(torque[None], q[None], v[None])[0], rtol=1e-12)
+
+
+@needs_compiler
 def test_friction_of_coupled_motors_is_that_of_python(tmp_path) -> None:
     terms = (Viscous(), *motor_terms(Coupling(("hip", "ankle"), MATRIX))[:2])
     estimate = made_up(LEG, terms)
@@ -79,6 +94,18 @@ def test_friction_of_coupled_motors_is_that_of_python(tmp_path) -> None:
     friction = estimate.model.columns(motion).T @ np.where(estimate.model.friction, estimate.values, 0.0)
     np.testing.assert_allclose(leg("friction", v), friction, rtol=1e-10)
     np.testing.assert_allclose(leg("inverse_dynamics", q, v, a), estimate.torque(q, v, a), rtol=1e-9)
+
+
+@needs_compiler
+def test_rotors_of_coupled_motors_leave_laws_without_inertia_their_form(tmp_path) -> None:
+    motors = motor_terms(Coupling(("hip", "ankle"), MATRIX))
+    law = gravity_friction_pd(made_up(LEG, (Viscous(), *motors)), (60.0, 40.0, 20.0), 2.0)
+    source = c_source(law)
+    library = build(COMPILER, ("-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "a.so")
+    q, v, q_d, v_d = np.random.default_rng(0).normal(size=(4, 3))
+    given = records(source, 1, {"q": q, "v": v, "q_d": q_d, "v_d": v_d})
+    torque = CompiledLaw(source, ctypes.CDLL(str(library))).run(given)[0][0]
+    np.testing.assert_allclose(torque, law.torque(State(q, v), Target(q_d, v_d)), rtol=1e-12)
 
 
 def test_an_estimate_with_such_drives_is_written_without_commands_and_says_so(tmp_path) -> None:

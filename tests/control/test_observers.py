@@ -145,6 +145,12 @@ def test_the_delay_is_that_of_a_slow_torque(cutoff):
     np.testing.assert_allclose(late, observer.delay, rtol=2e-3)
 
 
+def test_the_bandwidth_is_the_one_asked_for():
+    observer = MomentumObserver(BLEEX, 8.0, 1000.0, cutoff=np.inf, noise=NOISE)
+    assert observer.delay == pytest.approx(0.5 / (np.pi * observer.bandwidth), rel=1e-3)
+    assert abs(measured_response(observer, 8.0)) == pytest.approx([0.5**0.5] * 3, 1e-2)
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize(("name", "bandwidth"), [("bleex", 36.0), ("cuhk", 45.0)])
 def test_torque_of_walking_wearers_is_read_to_a_quarter_within_25_ms(name, bandwidth):
@@ -247,6 +253,14 @@ def test_joints_that_stick_raise_no_alarm(sticking):
     )
     assert not alarms_of(sticking, with_band).any()
     assert alarms_of(sticking, without).any()
+
+
+@pytest.mark.nightly
+def test_ten_minutes_without_wearer_raise_no_alarm():
+    run = sticking_run(BLEEX, 30, 20.5, seed=1)
+    noise = SensorNoise.of(run.recording(0))
+    observer = MomentumObserver(estimate_of(BLEEX, zero=0.0), 10.0, 1000.0, noise=noise, torque_delay=HELD)
+    assert not alarms_of(run, observer).any()
 
 
 def test_a_push_is_detected_within_a_few_delays(estimate):

@@ -54,3 +54,17 @@ def test_torque_and_its_change_stay_within_their_limits(limits, last, torque):
     law, far = Limited(pd(1000.0, 0.0), **limits), Target(np.array([1.0, -1.0]), np.zeros(2))
     state = REST if last is None else REST._replace(last=np.array(last))
     np.testing.assert_allclose(law.step(law.begin(state), state, far)[0], torque)
+
+
+def test_limits_act_on_a_law_with_memory_throughout_a_run():
+    law = Limited(PI(), limit=2.0, slew=50.0)
+    memory = law.begin(REST)
+    torque, memory = law.step(memory, REST._replace(last=np.array([1.9, -0.1])), AIM)
+    np.testing.assert_allclose(torque, [2.0, -0.6])  # 6 and −4 N·m wanted
+    np.testing.assert_allclose(memory[0].total, AIM.q / 100.0)
+    for k in range(2):  # without state.last the limits, and the law inside, know the last command all the same
+        torque, memory = law.step(memory, REST, AIM)
+        np.testing.assert_allclose(torque, [2.0, -1.1 - 0.5 * k])
+    run = simulate_law(cuhk_plant(), law, healthy_gait(period=2.0), 2.0)
+    assert np.abs(run.tau).max() == pytest.approx(2.0)
+    assert np.abs(np.diff(run.tau[1:], axis=0)).max() <= 0.5 + 1e-9

@@ -10,9 +10,10 @@ import pytest
 from made_estimates import made
 
 import exoid
-from exoid.control.functions import Body, joint_angles, rise
+from exoid.control.functions import Body, joint_angles, minimum_jerk, rise
 from exoid.control.ground import GroundState, GroundTarget, stance
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
+from exoid.experiments import ground
 from exoid.leg.description import describe
 from exoid.leg.floating_base import free_flyer_model
 from exoid.leg.link_frames import link_frame
@@ -160,6 +161,26 @@ def test_forces_stay_in_cone_and_sole_and_torque_within_limits(machine):
     assert sum(seen) > 10
 
 
+def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(machine):
+    """Forces follow the shares, and a foot whose share has gone to zero leaves without a step of torque."""
+    law = stance(machine, friction=None)
+    q = np.concatenate([BENT, BENT])
+    torques, loads = [], []
+    for s in np.linspace(0.0, 1.0, 101):
+        shares = {"left_foot": 1.0, "right_foot": 1.0 - float(minimum_jerk(s))}
+        state = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH, shares)
+        command = law.command(state, GroundTarget(q, np.zeros(6)))
+        torques.append(command.torque)
+        loads.append(command.forces["right_foot"][1])
+    alone = law.command(
+        GroundState(q, np.zeros(6), 0.0, 0.0, {"left_foot": "flat"}), GroundTarget(q, np.zeros(6))
+    ).torque
+    steps = np.abs(np.diff([*torques, alone], axis=0)).max()
+    assert loads[0] == pytest.approx(49.1 * 9.81 / 2, rel=0.01)
+    assert abs(loads[-1]) < 1e-3
+    assert steps < 0.02 * np.ptp(torques, axis=0).max() + 1.0
+
+
 def test_known_forces_are_taken_into_account(machine):
     """A crutch that carries 100 N takes them from the feet; the wearer's torque takes its part from the actuators."""
     law = stance(machine, kp=0.0, kd=0.0, friction=None)
@@ -186,6 +207,18 @@ def test_a_contact_without_a_share_leaves_without_a_step(machine):
         if last is not None:
             assert np.abs(torque - last).max() < (1e-6 if share is None else 16.0)
         last = torque
+
+
+def test_friction_compensation_never_drives():
+    """It has the sign of the velocity and is at most the model's friction."""
+    truth = ground.bleex_machine()
+    state = state_of(5)
+    target = target_of(state)
+    added = stance(truth).command(state, target).torque - stance(truth, friction=None).command(state, target).torque
+    friction = truth.friction(state.v[None])[0]
+    assert (added * state.v >= 0.0).all()
+    assert (np.abs(added) <= np.abs(friction)).all()
+    assert np.abs(added).max() > 0.1
 
 
 def estimate_of(machine, relative: float, mass: float = 0.0):
