@@ -102,17 +102,18 @@ def combine(covariance: FloatArray, changes: FloatArray, blocks: int) -> FloatAr
     # DᵀD is singular, as blocks B are few. With D in units of the noise model, and axes E of its correlations R, it is
     # averaged with E diag(EᵀDᵀDE) Eᵀ, which counts as P blocks. A combination that the log determines stays certain, as
     # D along its axis is small. To scale each parameter alone makes it as uncertain as those that it confounds.
-    scale = np.sqrt(np.maximum(np.diag(covariance), TINY**2))
+    uncertain = np.diag(covariance) > TINY  # others are known
+    scale = np.sqrt(np.where(uncertain, np.diag(covariance), 1.0))
     sizes, E = np.linalg.eigh(covariance / np.multiply.outer(scale, scale))
     D = changes / scale
     aim = np.linalg.norm(D, axis=0)
-    share = blocks / (blocks + np.count_nonzero(aim))
+    share = blocks / (blocks + np.count_nonzero(uncertain))
     root = np.hstack([math.sqrt(1.0 - share) * E * np.linalg.norm(D @ E, axis=0), math.sqrt(share) * D.T])
     # Variances are those of D as far as this leaves the rest certain: (R⁻¹)_ii^(−½) of a deviation is a parameter's own
     own = 1.0 / np.sqrt(E**2 @ (1.0 / np.maximum(sizes, max(RANK_OF_SQUARES * sizes[-1], TINY))))
     averaged = np.linalg.norm(root, axis=1)
     ratio = np.divide(aim, averaged, out=np.ones(len(aim)), where=averaged > 0.0)
-    root *= (scale * (1.0 + own * (ratio - 1.0)))[:, None]
+    root *= (uncertain * scale * (1.0 + own * (ratio - 1.0)))[:, None]
     return np.asarray(root @ root.T)
 
 
