@@ -59,14 +59,14 @@ def test_intervals_without_a_joints_torque_are_as_true_as_with_it(estimator):
     rms = {}
     for measured in (True, False):
         scores = []
-        for seed in range(1, 4):
+        for seed in range(1, 13):
             swing_, log = swing(seed)
             found = identify(swing_.leg, log if measured else without(log, "left_ankle"), TERMS, estimator)
             truth = dict(zip(TorqueModel(swing_.leg, TERMS).names, swing_.truth, strict=True))
             scores += [(found.value(name) - truth[name]) / found[name].std for name in found.names]
         rms[measured] = np.sqrt(np.mean(np.square(scores)))
     assert rms[True] < 1.3
-    assert rms[False] < 1.15 * rms[True]
+    assert rms[False] < 1.1 * rms[True]
 
 
 def test_a_joint_that_one_of_two_logs_measured_is_identified():
