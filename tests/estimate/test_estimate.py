@@ -81,18 +81,6 @@ def test_a_validation_prints_one_line_a_joint():
     assert repr(validation) == "Validation(nrmse: hip 0.500, knee nan)"
 
 
-def test_figures_of_a_validation_are_what_they_are_called(estimate, swing):
-    data = Swing(swing.leg, seed=9).with_noise(np.random.default_rng(3), NOISE)
-    validation = exoid.validate(estimate, data)
-    error = validation.measured - validation.predicted
-    np.testing.assert_allclose(validation.rmse, np.sqrt((error**2).mean(axis=0)), rtol=1e-14)
-    np.testing.assert_allclose(validation.nrmse, validation.rmse / validation.measured.std(axis=0), rtol=1e-14)
-    total = ((validation.measured - validation.measured.mean(axis=0)) ** 2).sum(axis=0)
-    np.testing.assert_allclose(validation.r2, 1.0 - (error**2).sum(axis=0) / total, rtol=1e-12)
-    assert validation.joint_names == swing.leg.joint_names
-    assert validation.time.shape == (len(validation.measured),)
-
-
 def test_the_identified_leg_is_the_rigid_part_of_the_torque(estimate, swing):
     """est.torque less the columns of the terms is Pinocchio's RNEA of est.leg."""
     q, v, a = swing.motion

@@ -7,11 +7,10 @@ import pytest
 import yourdfpy
 from lxml import etree
 from made_estimates import made, motion_within
-from mujoco_torques import mujoco_model, mujoco_torque
 from public_robots import urdf_of
 
 import exoid
-from exoid import Armature, Coulomb, Leg, Viscous
+from exoid import Coulomb, Leg, Viscous
 from exoid.leg.catalog import URDFS, urdf_folder
 from exoid.leg.description import describe
 from exoid.leg.lift.lumping import distribute_bodies
@@ -67,24 +66,6 @@ def test_pinocchio_finds_the_estimate_again(leg, tmp_path):
     np.testing.assert_allclose(again.parameters, estimate.leg.parameters, rtol=1e-12, atol=1e-14)
     q, v, a = motion_within(leg)
     np.testing.assert_allclose(again.inverse_dynamics(q, v, a), estimate.leg.inverse_dynamics(q, v, a), atol=1e-9)
-
-
-def test_mujoco_has_the_torques_of_the_estimate(leg, tmp_path):
-    """Rigid bodies, damping and rotors by its own inverse dynamics, dry friction from what it read in the URDF.
-
-    Its constraint on friction is another law than tanh, so it is switched off and added by hand.
-    """
-    estimate = estimate_of(leg, (*FRICTION, Armature()), rigid=near(leg, 0.1))
-    model = mujoco_model(estimate.to_urdf(tmp_path / "leg.urdf").urdf)
-    for joint, label in zip(leg.joint_names, leg.joint_labels, strict=True):
-        if f"Ia_{label}" in estimate:  # that of the hip is part of J1
-            model.dof_armature[model.joint(joint).dofadr] = estimate.value(f"Ia_{label}")
-    friction = np.array([model.dof_frictionloss[model.joint(joint).dofadr[0]] for joint in leg.joint_names])
-    q, v, a = motion_within(leg)
-    torque = mujoco_torque(model, leg.joint_names, q, v, a)
-    assert (friction > 0.0).all()
-    torque += friction * np.tanh(v / SMOOTHING)
-    np.testing.assert_allclose(torque, estimate.torque(q, v, a), rtol=0, atol=1e-9)
 
 
 ROBOTS_TO_TRY = {  # joints that move, and locked positions of others

@@ -21,10 +21,12 @@ def test_several_recordings_are_judged_over_all_samples_and_one_by_one(data, est
     logs = [data.test, data.train]
     alone = [exoid.validate(estimate, log) for log in logs]
     both = exoid.validate(estimate, logs)
-    residual = np.concatenate([one.residual for one in alone])
+    residual = np.concatenate([one.measured - one.predicted for one in alone])
     measured = np.concatenate([one.measured for one in alone])
     np.testing.assert_allclose(both.rmse, np.sqrt((residual**2).mean(axis=0)), rtol=1e-12)
     np.testing.assert_allclose(both.nrmse, both.rmse / measured.std(axis=0), rtol=1e-12)
+    total = ((measured - measured.mean(axis=0)) ** 2).sum(axis=0)
+    np.testing.assert_allclose(both.r2, 1.0 - (residual**2).sum(axis=0) / total, rtol=1e-12)
     inside = np.concatenate([np.abs(one.residual) <= one.half_width for one in alone])
     np.testing.assert_allclose(both.coverage, inside.mean(axis=0), rtol=1e-12)
     for part, one in zip(both.parts, alone, strict=True):
@@ -60,6 +62,7 @@ def test_a_torque_of_the_other_sign_is_not_predicted(data, estimate):
     assert found.verdict == "does not predict"
     assert (found.nrmse > 1.0).all()
     assert found.findings[0].severity == "error"
+    assert found.to_json()["findings"][0]["kind"] == "large-residual"
     assert "verdict: does not predict (large-residual at left_hip, left_knee, left_ankle" in str(found)
 
 

@@ -48,10 +48,6 @@ def test_a_verdict_follows_its_thresholds(value, std, size, expected):
     assert identifiability_class(value, std, size) == expected
 
 
-def test_a_good_motion_determines_everything_well(estimate):
-    assert set(estimate.identifiability) == {"well"}
-
-
 def test_sizes_are_what_explains_the_torque_of_a_joint_alone(swing):
     """‖τ‖ / ‖W_i‖ where that is smallest."""
     estimate = identify(swing.leg, swing.recording(), TERMS, preparation=EXACT)

@@ -18,7 +18,7 @@ from exoid.regression import fit as module
 from exoid.regression.fit import combine, jackknife
 from exoid.regression.noise import AutoregressiveNoise
 from exoid.regression.residuals import sandwich
-from exoid.signals import FiniteDifference, Poses, ZeroPhase
+from exoid.signals import FiniteDifference, ZeroPhase
 from exoid.torques import TorqueModel
 
 EXACT = FiniteDifference()
@@ -114,16 +114,6 @@ def test_variances_are_those_of_the_blocks_where_nothing_is_confounded():
     covariance = combine(np.diag([1.0, 1.0, 1.0, 1e-8, 1e8]), changes, 20)
     np.testing.assert_allclose(np.diag(covariance), (changes**2).sum(axis=0), rtol=1e-9)
     assert np.linalg.eigvalsh(covariance / np.sqrt(np.multiply.outer(*[np.diag(covariance)] * 2))).min() > 0.1
-
-
-def test_poses_join_in_and_few_rows_are_survived(swing):
-    rng = np.random.default_rng(3)
-    q = rng.uniform(-1.0, 1.0, (12, 3))
-    tau = swing.leg.inverse_dynamics(q, 0.0 * q, 0.0 * q) + 0.1 * rng.standard_normal(q.shape)
-    data = [swing.with_noise(rng, 0.3), Poses(q, tau, swing.leg.joint_names)]
-    estimate = exoid.identify(swing.leg, data, TERMS, preparation=EXACT)
-    assert np.isfinite(estimate.std).all()
-    assert (np.abs(estimate.values - swing.truth) < 5.0 * estimate.std).all()
 
 
 def disturbance(kind, swing, rng):

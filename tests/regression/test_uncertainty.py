@@ -56,16 +56,6 @@ def test_the_triangle_gives_what_lstsq_gives_on_all_rows(rows, swing):
     assert solution.condition_number == pytest.approx(np.linalg.cond(unit), rel=1e-8)
 
 
-def test_the_covariance_is_the_classical_one(rows, swing):
-    """s² (WᵀW)⁻¹ with s² = ‖residual‖² / (rows − P)."""
-    W, tau = stacked(rows)
-    solution = ols(Reduced(factorize_rows(rows), TorqueModel(swing.leg, TERMS).names)).solution
-    residual = tau - W @ solution.values
-    assert solution.dof == len(tau) - W.shape[1]
-    expected = residual @ residual / solution.dof * np.linalg.inv(W.T @ W)
-    np.testing.assert_allclose(solution.covariance, expected, rtol=1e-7, atol=1e-12)
-
-
 def test_weights_are_the_residuals_of_each_joint(rows, swing):
     """The same as scaling the rows of each joint by its own residual RMS."""
     names = TorqueModel(swing.leg, TERMS).names
@@ -76,8 +66,9 @@ def test_weights_are_the_residuals_of_each_joint(rows, swing):
     expected, *_ = np.linalg.lstsq(W, tau)
     solution = wls(Reduced(r_factors, names)).solution
     np.testing.assert_allclose(solution.values, expected, rtol=1e-9, atol=1e-11)
-    residual = tau - W @ expected
-    covariance = residual @ residual / (len(tau) - len(names)) * np.linalg.inv(W.T @ W)
+    residual = tau - W @ expected  # and the classical covariance, s² (WᵀW)⁻¹ with s² = ‖residual‖² / (rows − P)
+    assert solution.dof == len(tau) - len(names)
+    covariance = residual @ residual / solution.dof * np.linalg.inv(W.T @ W)
     np.testing.assert_allclose(solution.covariance, covariance, rtol=1e-7, atol=1e-12)
 
 

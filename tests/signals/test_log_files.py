@@ -130,13 +130,16 @@ def test_whatever_the_kind_a_value_that_is_missing_is_named_by_its_place(one_kin
 
 
 names = st.text("abcdefghijklmnopqrstuvwxyz_ 0123456789", min_size=1, max_size=12).filter(lambda x: x == x.strip())
+csv_names = st.text(min_size=1, max_size=8).filter(lambda x: x.isprintable() and x == x.strip() and not {*x} & {*',;"'})
 
 
 @given(st.data())
-@settings(max_examples=40)
+@settings(max_examples=60)
 def test_any_recording_reads_back_from_any_kind(data):
-    kind = data.draw(st.sampled_from([kind for kind in WRITERS if kind not in BAGS]))
-    joints = tuple(data.draw(st.lists(names, min_size=1, max_size=4, unique=True)))
+    write = {"log.csv": lambda path, log: log.to_csv(path), **WRITERS}
+    kind = data.draw(st.sampled_from([kind for kind in write if kind not in BAGS]))
+    of_kind = csv_names if kind == "log.csv" else names
+    joints = tuple(data.draw(st.lists(of_kind, min_size=1, max_size=4, unique=True)))
     samples = data.draw(st.integers(10, 30))
     has = data.draw(st.sets(st.sampled_from(["a", "tau"])))
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
@@ -146,12 +149,12 @@ def test_any_recording_reads_back_from_any_kind(data):
     recording = Recording(time=np.cumsum(rng.uniform(0.001, 0.1, samples)), q=q, joint_names=joints, **values)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / kind
-        WRITERS[kind](path, recording)
+        write[kind](path, recording)
         again = Recording.from_file(path, resample=False)
     assert again.joint_names == joints
     assert arrays(again).keys() == arrays(recording).keys()
     for name in ("time", *arrays(recording)):
-        np.testing.assert_array_equal(getattr(again, name), getattr(recording, name))
+        assert getattr(again, name).tobytes() == getattr(recording, name).tobytes()
 
 
 # Parquet

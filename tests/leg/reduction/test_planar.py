@@ -78,16 +78,6 @@ def test_a_batch_is_the_same_as_its_samples_one_by_one(samples, leg):
     assert_relative(W @ leg.parameters, leg.inverse_dynamics(q, v, a), TOLERANCE)
 
 
-@pytest.mark.parametrize("samples", [8191, 8193, 20000])
-def test_blocks_fit_together_under_a_moving_torso(samples):
-    leg = exoid.load_leg("cuhk")
-    rng = np.random.default_rng(samples)
-    q, v, a = random_motion(rng, 2, samples)
-    torso = TorsoMotion(*rng.uniform(-1, 1, (3, samples)), rng.uniform(-3, 3, (samples, 2)))
-    expected = leg.inverse_dynamics(q, v, a, torso)
-    assert_relative(leg.regressor(q, v, a, torso) @ leg.parameters, expected, TOLERANCE)
-
-
 @CUMULATIVE
 @pytest.mark.parametrize("turns", [10, 1000])
 def test_many_turns_lose_no_more_accuracy_than_the_angles_have(cumulative, turns):
