@@ -150,18 +150,18 @@ def evidence(data: Recording | Poses) -> Input:
     """Describe a recording by its name, hash and size."""
     rate, segments = (data.sample_rate, data.segment_times) if isinstance(data, Recording) else (0.0, ())
     payloads = tuple(map(str, data.payloads))
-    base = data.base if isinstance(data, Recording) else None
-    about = (len(data), rate, segments, payloads, base is not None, tuple(getattr(data, "wrenches", ())))
+    base, wrenches = (getattr(data, name, None) for name in ("base", "wrenches"))
+    about = (len(data), rate, segments, payloads, base is not None, tuple(wrenches or ()))
     if data.source is not None:
         return Input(data.source.name, data.source.sha256, *about)
+    named = ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle")
+    arrays = [getattr(data, name, None) for name in named] + ([] if base is None else [base.columns, base.position])
+    arrays += [part for one in (wrenches or {}).values() for part in (one.columns, one.point)]
+    arrays += getattr(data, "contacts", {}).values()
     digest = hashlib.sha256()
-    for name in ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle"):
-        array = getattr(data, name, None)
+    for array in arrays:
         if array is not None:
             digest.update(np.ascontiguousarray(array).data)
-    if base is not None:
-        digest.update(np.ascontiguousarray(base.columns).data)
-        digest.update(np.ascontiguousarray(base.position).data)
     return Input("array", digest.hexdigest(), *about)
 
 

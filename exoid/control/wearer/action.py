@@ -172,8 +172,8 @@ def rough_estimate(estimate: EstimateData, predicted: FloatArray) -> Iterator[Fi
 
 def too_few_samples(estimate: EstimateData, evidence: Evidence) -> Iterator[Finding]:
     """Find recordings that are too short for the test."""
-    least = float(np.min(np.where(np.isnan(evidence.power), np.inf, evidence.effective)))
+    tested = np.where(np.isnan(evidence.power), np.inf, evidence.effective)
+    least, joint = float(tested.min()), estimate.joint_names[int(np.argmin(tested))]
     if least < 20.0:
-        joint = estimate.joint_names[int(np.argmin(evidence.effective))]
         message = f"only {least:.0f} samples count as independent: a wearer who moves slowly is hardly told from noise"
         yield Finding("short-recording", joint, least, "1", "warning", message, "record longer")

@@ -142,6 +142,11 @@ def wear(
     if largest is None:
         # Largest amplification that is tried, over the largest that is used.
         largest = _largest(sources, truth, wearer, law, 2.0 * most, seed, poses_of(truth.leg, None, roles))
+    for name, each in largest.items():
+        if each.largest < 1.0:  # not stable even where the controller only carries the weight
+            what = f"with the {name} model the worn leg is unstable even without amplification"
+            remedy = "raise the rate or the bandwidth of the controller, or check the model's masses"
+            raise BadArgumentError(what, remedy=remedy)
     report(0.8)
     amplifications = {name: float(np.clip(MARGIN * each.largest, 1.0, most)) for name, each in largest.items()}
     laws: list[AnyLaw] = [pd(0.0, 0.0, rate=rate), *(law(sources[name], each) for name, each in amplifications.items())]
@@ -179,7 +184,6 @@ def _largest(
         found[name] = largest_amplification(
             model, wearer=wearer, truth=given, law=law, delay=SENSORS.delay, most=most, seed=seed, poses=poses
         )
-    _refuse_unstable(found)
     return found
 
 
@@ -190,13 +194,3 @@ def _inertia_and_friction(truth: Plant, intention: Reference, period: float) -> 
     q, v, a = (np.column_stack([getattr(target, name)[:, 0] for target in targets]) for name in ("q", "v", "a"))
     torque = model.inverse_dynamics(q, v, a) - model.statics(q) + model.friction(q, v, 0.0)
     return np.asarray(np.sqrt((torque**2).mean(axis=1)))
-
-
-def _refuse_unstable(largest: Mapping[str, Amplification]) -> None:
-    """Refuse a controller that is not stable even where it only carries the weight."""
-    for name, found in largest.items():
-        if found.largest < 1.0:
-            raise BadArgumentError(
-                f"with the {name} model the worn leg is unstable even without amplification",
-                remedy="raise the rate or the bandwidth of the controller, or check the model's masses",
-            )

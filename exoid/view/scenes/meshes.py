@@ -107,19 +107,16 @@ def _simplified(parts: Mapping[str | None, Trimesh]) -> dict[str | None, Trimesh
     """Merge the vertices in each cell of a grid, as fine as :data:`MAX_TRIANGLES` allows."""
     size = _size(parts)
     for cells in (160, 110, 80, 56, 40):  # along the longest side: a screen does not show more
-        simplified = {colour: _merged(part, size / cells) for colour, part in parts.items()}
-        if sum(len(part.faces) for part in simplified.values()) <= MAX_TRIANGLES:
+        kept, cell = {}, size / cells
+        for colour, part in parts.items():
+            merged = part.copy().apply_scale(1.0 / cell)
+            merged.merge_vertices(digits_vertex=0)  # of equal coordinates after rounding
+            merged.update_faces(merged.nondegenerate_faces())
+            merged.update_faces(merged.unique_faces())
+            if len(merged.faces):
+                kept[colour] = merged.apply_scale(cell)
+        if sum(len(part.faces) for part in kept.values()) <= MAX_TRIANGLES:
             break
-    kept = {colour: part for colour, part in simplified.items() if len(part.faces)}
     if not kept:
         raise ValueError("all triangles are lines or points")
     return kept
-
-
-def _merged(mesh: Trimesh, cell: float) -> Trimesh:
-    """Merge the vertices in each cell of a grid, and drop triangles that degenerate."""
-    merged = mesh.copy().apply_scale(1.0 / cell)
-    merged.merge_vertices(digits_vertex=0)  # of equal coordinates after rounding
-    merged.update_faces(merged.nondegenerate_faces())
-    merged.update_faces(merged.unique_faces())
-    return merged.apply_scale(cell)

@@ -8,6 +8,7 @@ import pytest
 from worn import log, push, swing, unworn_estimate
 
 import exoid
+from exoid.control.wearer.action import Evidence, too_few_samples
 from exoid.estimate.finding import Finding
 
 
@@ -127,8 +128,12 @@ def test_a_joint_whose_friction_was_not_trained_is_not_tested(leg, unworn):
     training = log(swing(leg, 1))
     tau = training.tau.copy()
     tau[:, 2] = np.nan
-    found = exoid.interaction(exoid.identify(leg, dataclasses.replace(training, tau=tau)), unworn)
+    estimate = exoid.identify(leg, dataclasses.replace(training, tau=tau))
+    found = exoid.interaction(estimate, unworn)
     assert np.isnan(found.actions[2].p_value)
     assert "not tested" in str(found)
     assert not found.worn
     assert of_kind(found, "unmeasured-torque")
+    some = Evidence(*np.ones((4, 3)), effective=np.array([12.0, 15.0, 9.0]), trained=np.ones(3))
+    (short,) = too_few_samples(estimate, some._replace(power=np.array([1.0, 1.0, np.nan])))
+    assert (short.joint, short.value) == (estimate.joint_names[0], 12.0)

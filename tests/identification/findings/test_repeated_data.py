@@ -7,6 +7,7 @@ import pytest
 from logs import clean, kinds, of_kind
 
 import exoid
+from exoid.identification.recording_summary import evidence
 from exoid.signals import Recordings
 
 
@@ -90,6 +91,14 @@ def test_two_logs_of_the_same_motion_are_two():
     noise = 0.01 * np.random.default_rng(5).standard_normal(log.tau.shape)
     again = dataclasses.replace(log, tau=log.tau + noise)
     assert exoid.identify(leg, [log, again]).findings == ()
+
+
+def test_the_hash_of_a_log_in_memory_is_also_that_of_its_forces_and_contacts(data):
+    force = np.outer(np.sin(data.test.time), [40.0, 0.0, 90.0])
+    plain = dataclasses.replace(data.test, source=None, contacts={"left_foot": force[:, 2] > 0.0})
+    logs = [plain, dataclasses.replace(plain, contacts={"left_foot": force[:, 2] > 1.0})]
+    logs += [dataclasses.replace(plain, wrenches={"left_foot": exoid.Wrench(x * force, 0.0 * force)}) for x in (1, 2)]
+    assert len({evidence(log).sha256 for log in logs}) == 4
 
 
 def test_samples_at_rest_are_not_the_same_data():

@@ -13,7 +13,7 @@ from exoid.cli import app
 from exoid.errors import BadArgumentError
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.lab.reproduce import wear_models
-from exoid.lab.reproduce.wear_study import _inertia_and_friction, _refuse_unstable
+from exoid.lab.reproduce.wear_study import _inertia_and_friction
 from exoid.lab.stability import largest_amplification
 from exoid.rig import Plant
 
@@ -65,14 +65,27 @@ def test_the_floor_is_the_torque_that_pinocchio_says(leg):
     assert np.allclose(_inertia_and_friction(plant, motion, 3.0), rms, rtol=1e-3)
 
 
-def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(monkeypatch):
+@pytest.fixture
+def cuhk(monkeypatch):
+    """Models of CUHK, of which a short log is identified."""
     monkeypatch.setattr(wear_models, "identify_cuhk", lambda *_: exoid.identify(*_short_cuhk()))
-    models = wear_models.worn_models("cuhk", 0, lambda _: None)
-    assert dict(zip(models.cad.parameter_names, models.cad.parameters, strict=True)) == pytest.approx(
+    return wear_models.worn_models("cuhk", 0, lambda _: None)
+
+
+def test_a_model_that_is_unstable_without_amplification_is_refused_by_name(cuhk):
+    """Also where the largest amplifications are given, as of another stride."""
+    found = largest_amplification(cuhk.cad, truth=cuhk.cad, poses=[0.2, 0.7])
+    given = {"identified": found, "cad": replace(found, values=np.zeros(1)), "truth": found}
+    with pytest.raises(ExoidError, match="with the cad model the worn leg is unstable"):
+        reproduce.wear(cuhk, largest=given)
+
+
+def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(cuhk):
+    assert dict(zip(cuhk.cad.parameter_names, cuhk.cad.parameters, strict=True)) == pytest.approx(
         published.cuhk_cad_parameters()
     )
-    assert models.truth.parameters[2, 0] == pytest.approx(published.cuhk_parameters()["J1"] + 0.8, rel=0.02)
-    assert wear_models.worn_models(models, 0, lambda _: None) is models
+    assert cuhk.truth.parameters[2, 0] == pytest.approx(published.cuhk_parameters()["J1"] + 0.8, rel=0.02)
+    assert wear_models.worn_models(cuhk, 0, lambda _: None) is cuhk
 
 
 def _short_cuhk():
@@ -89,10 +102,3 @@ def _short_cuhk():
 def test_what_makes_no_sense_is_refused_before_anything_runs(given):
     with pytest.raises(BadArgumentError):
         reproduce.wear(**({"source": "bleex"} | given))
-
-
-def test_a_model_that_is_unstable_without_amplification_is_refused_by_name():
-    leg = exoid.load_leg("cuhk")
-    found = largest_amplification(leg, truth=leg, poses=[0.2, 0.7])
-    with pytest.raises(ExoidError, match="with the cad model the worn leg is unstable"):
-        _refuse_unstable({"identified": found, "cad": replace(found, values=np.zeros(1))})
