@@ -7,6 +7,7 @@ import io
 import os
 import shutil
 import sys
+import warnings
 from typing import Annotated
 
 import typer
@@ -16,7 +17,7 @@ from exoid.errors import ExoidError
 from exoid.tools.tables import NARROWEST, WIDTH, line_width
 
 from .messages import quiet
-from .verbs import LazyVerbs, add_verbs
+from .verbs import VERBS, LazyVerbs
 
 BAD_INPUT = 2
 """Exit status for bad input or usage."""
@@ -39,7 +40,8 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help: no unit in brackets is taken for markup, and no word is cut
     pretty_exceptions_enable=False,
 )
-add_verbs(app)
+for _name, _text in VERBS.items():  # `LazyVerbs` imports a verb when it is called
+    app.command(_name, help=_text, short_help=_text)(lambda: None)
 
 
 def _print_version(wanted: bool) -> None:
@@ -71,6 +73,9 @@ def main() -> None:
     os.environ["MPLBACKEND"] = "agg"  # figures are files: another backend may be unknown, or open windows
     words = [word for word in sys.argv[1:] if word not in (TRACEBACK, QUIET)]
     quiet.set(QUIET in sys.argv[1:])
+    warnings.simplefilter("ignore" if quiet.get() else "once", UserWarning)
+    if TRACEBACK not in sys.argv[1:]:  # else Python says the place in the program, too
+        warnings.formatwarning = lambda text, *_: f"warning: {text}\n"
     if "COLUMNS" in os.environ or (sys.stdout is not None and sys.stdout.isatty()):
         line_width.set(min(WIDTH, max(NARROWEST, shutil.get_terminal_size().columns)))
     for stream in (sys.stdout, sys.stderr):
@@ -127,7 +132,8 @@ def describe_error(error: Exception) -> tuple[str, int]:
         for python, plain in (("valid float", "number"), ("valid integer", "whole number"), ("valid number", "number")):
             what = what.replace(python, plain)
         context = getattr(error, "ctx", None)
-        return f"{what}. To fix it: see {context.command_path if context else 'exoid'} --help", BAD_INPUT
+        stop = "" if what.endswith("?") else "."
+        return f"{what}{stop} To fix it: see {context.command_path if context else 'exoid'} --help", BAD_INPUT
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror or what}. To fix it: check this file, free space and permissions", BAD_INPUT

@@ -18,30 +18,30 @@ from .refusals import refuse
 
 if TYPE_CHECKING:
     from exoid.control.law import AnyLaw
-    from exoid.control.model import ModelSource
+    from exoid.estimate import Estimate
+    from exoid.rig import Plant
     from exoid.signals import Recording
 
 WITHOUT_TARGET = ("gravity_support", "transparent")
 """Controllers for wearers, which follow no reference."""
 
 
-def dry_run(source: ModelSource, options: DryRunOptions, gains: GainOptions, reading: LogOptions) -> LawReplay:
+def dry_run(source: Estimate | Plant, options: DryRunOptions, gains: GainOptions, reading: LogOptions) -> LawReplay:
     """Replay a controller on a log; its rate is at most that of the log."""
-    leg = control.ControlModel.of(source).leg
-    recording = read_log_of(leg, str(options.dry_run), reading)
+    recording = read_log_of(source.leg, str(options.dry_run), reading)
     rate = min(100.0, recording.sample_rate) if gains.rate is None else gains.rate
     name = WITHOUT_TARGET[0] if options.law is None else options.law
     law = _law(name, source, recording, gains, rate)
     if options.limit is not None or options.slew is not None:
         limits = [
-            np.inf if text is None else joint_values(text, option, leg.joint_labels)
+            np.inf if text is None else joint_values(text, option, source.leg.joint_labels)
             for text, option in ((options.limit, "--limit"), (options.slew, "--slew"))
         ]
         law = Limited(law, *limits)
     return control.replay_law(law, recording, name=name)
 
 
-def _law(name: str, source: ModelSource, recording: Recording, gains: GainOptions, rate: float) -> AnyLaw:
+def _law(name: str, source: Estimate | Plant, recording: Recording, gains: GainOptions, rate: float) -> AnyLaw:
     """Make a controller by its name."""
     if name in (*WITHOUT_TARGET, "lqr"):
         refuse({"--kp": gains.kp, "--kd": gains.kd}, f"{name} has no gains")
@@ -53,5 +53,5 @@ def _law(name: str, source: ModelSource, recording: Recording, gains: GainOption
         raise BadArgumentError(f"no controller {name!r}", remedy=f"{nearest(name, known)}use one of {', '.join(known)}")
     followed = follow_log(recording)
     usual = control.default_gains(source, control.mean_pose(followed, followed.duration), rate)
-    kp, kd = parse_gains(gains.kp, gains.kd, control.ControlModel.of(source).leg.joint_labels, usual)
+    kp, kd = parse_gains(gains.kp, gains.kd, source.leg.joint_labels, usual)
     return control.standard_laws(source, kp, kd, followed, followed.duration, rate=rate, names=(name,))[name]

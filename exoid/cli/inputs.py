@@ -172,7 +172,11 @@ def drive_tables(file: str) -> Mapping[str, Any]:
     """Read the tables of drives: of a file, or as an estimate remembers them."""
     from exoid.actuators.file import read_drive_tables  # noqa: PLC0415 - see above
 
-    return exoid.Estimate.load(file).columns["actuators"] if file.endswith(".json") else read_drive_tables(file)
+    if not file.endswith(".json"):
+        return read_drive_tables(file)
+    if "actuators" not in (known := exoid.Estimate.load(file).columns):
+        raise BadArgumentError("remembers no drives", file=file, remedy="give a file of drives, such as drives.toml")
+    return dict(known["actuators"])
 
 
 def delays_of(options: LogOptions) -> dict[str, float]:

@@ -51,13 +51,3 @@ def load_verb(name: str) -> Any:  # noqa: ANN401 - Typer's or Click's Command, b
         if each.param_type_name == "argument":
             each.display_type_rich = lambda ctx: ""
     return command
-
-
-def add_verbs(app: typer.Typer) -> None:
-    """Add all verbs to an application, by name and help only."""
-
-    def not_yet_imported() -> None:
-        """Stand for the verb in the list of verbs."""
-
-    for name, text in VERBS.items():
-        app.command(name, help=text, short_help=text)(not_yet_imported)

@@ -72,11 +72,21 @@ def test_the_package_runs_as_a_command():
     assert done.stderr.endswith("see python -m exoid validate --help\n")
 
 
+def test_a_warning_is_one_line_and_silent_in_a_quiet_command(data, tmp_path):
+    exoid.identify(data.leg, data.test.slice(0, 700), (), check=False).save(tmp_path / "est.json")
+    for silent in ((), ("--quiet",)):
+        words = ["track", "est.json", "--dry-run", "bleex_swing:test", *silent]
+        command = [sys.executable, "-m", "exoid", *words]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=True)
+        assert done.stderr.count("\n") == (0 if silent else 1), done.stderr
+        assert done.stderr.startswith("" if silent else "warning: not determined by the recordings")
+
+
 @pytest.mark.parametrize(
     ("words", "line"),
     [
         ("identify", r"Missing argument '?LEG'?\. To fix it: see exoid identify --help"),
-        ("idenify bleex", r"No such command 'idenify'.*To fix it: see exoid --help"),
+        ("idenify bleex", r"No such command 'idenify'.*[^?]\?? To fix it: see exoid --help"),
         ("identify bleex log.csv --cutof 3", r"No such option:? '?--cutof'?.*see exoid identify --help"),
         ("identify bleex log.csv --cutoff x", r"Invalid value for '--cutoff': [^.,]* a number\. To fix it"),
         ("plan bleex --starts x", r"Invalid value for '--starts': [^.,]* a whole number\. To fix it"),

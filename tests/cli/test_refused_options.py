@@ -85,6 +85,7 @@ REFUSED = {
         ("bleex walk.csv --column tau_left_hip=tau_left_hip:mA", "is not a unit of torque"),
         ("bleex walk.csv --column q_left_hip=q_left_hip:furlong", "no column 'q_left_hip:furlong'"),
         ("bleex walk.csv --column i_left_hip=tau_left_hip:1e3", "looks like mA"),
+        ("bleex walk.csv --actuators est.json", "est.json: remembers no drives"),
         ("bleex bleex_swing:train --passive left_hip", "has no effect"),
         ("bleex bleex_swing:train --unmeasured left_hip", "has no effect"),
         ("cuhk log.csv --payload other.csv=knee:3@0,0,0", "other.csv is not among the logs"),

@@ -24,7 +24,7 @@ from exoid.torques import Armature, Coulomb, Offset, Stiffness, Viscous
 
 from .sequential import cuhk as steps
 from .sequential.estimate import SequentialEstimate
-from .torque_error import predicted_torque, torque_nrmse, torque_rmse, validation_rows
+from .torque_error import predicted_torque, torque_nrmse, validation_rows
 
 MOTOR, ROTOR = IdealTorque(limit=52.875), 0.8
 """Assumed flat motor of 90 W with gear ratio 50 at up to 15 A, and its rotor at the joint [kg·m²]; none is printed."""
@@ -167,7 +167,7 @@ def _replay(leg: Leg, static: list[Poses], logs: Mapping[str, Recording], seed: 
         no_rotor=no_rotor,
         nrmse={name: torque_nrmse(model, values, independent) for name, values in models.items()},
         residual_ratio={
-            name: torque_rmse(model, wrong, motion) / torque_rmse(model, truth, motion)
+            name: torque_nrmse(model, wrong, motion) / torque_nrmse(model, truth, motion)
             for name, motion in (("document", document), ("multisine", independent))
         },
         validation=document,

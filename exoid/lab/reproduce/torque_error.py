@@ -23,15 +23,11 @@ def predicted_torque(model: TorqueModel, values: Mapping[str, float], rows: Rows
     return np.asarray(rows.W @ np.array([values.get(name, 0.0) for name in model.names]))
 
 
-def torque_rmse(model: TorqueModel, values: Mapping[str, float], recording: Recording) -> FloatArray:
-    """Compute the RMS torque error of parameters by name [N·m], (n,)."""
-    rows = validation_rows(model, recording)
-    return np.asarray(np.sqrt(np.mean((rows.tau - predicted_torque(model, values, rows)) ** 2, axis=0)))
-
-
 def torque_nrmse(model: TorqueModel, values: Mapping[str, float], recording: Recording) -> FloatArray:
-    """Compute the RMS torque error over the standard deviation of the measured torque, (n,)."""
-    return np.asarray(torque_rmse(model, values, recording) / validation_rows(model, recording).tau.std(axis=0))
+    """Compute the RMS torque error of parameters by name over the standard deviation of the measured torque, (n,)."""
+    rows = validation_rows(model, recording)
+    error = rows.tau - predicted_torque(model, values, rows)
+    return np.asarray(np.sqrt(np.mean(error**2, axis=0)) / rows.tau.std(axis=0))
 
 
 def joint_errors(errors: FloatArray) -> str:
