@@ -48,7 +48,7 @@ def view(
 
     Example: exoid view bleex --log bleex_swing:test --html leg.html
     """
-    from exoid.experiments.limits import position_units  # noqa: PLC0415 - help needs no arrays
+    from exoid.torques.position_units import position_units  # noqa: PLC0415 - help needs no arrays
 
     if html is not None:
         refuse({"--port": port}, "--html serves nothing")

@@ -134,8 +134,7 @@ def simulate_many(
         wearer=wearer,
         progress=progress,
     )
-    labels = names or [name_of(each) for each in laws]
-    return tuple(tracking_of(run, k, label, rate, settle) for k, label in enumerate(labels))
+    return tuple(tracking_of(run, k, label, rate, settle) for k, label in enumerate(names or map(name_of, laws)))
 
 
 def compare_laws(

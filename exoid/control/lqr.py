@@ -56,7 +56,8 @@ def lqr(
     about = for_joints(checked(pose, "the pose"), n, "angles of the pose")
     acceptable = (checked(x, "an acceptable deviation", above=0.0) for x in (angle_deg, torque))
     angles, torques = (for_joints(x, n, "acceptable deviations") for x in acceptable)
-    A, B = discretise(*linearise(model, about, at_rest, at_rest), 1.0 / rate)
+    linear = (*linearise(model, about, at_rest, at_rest), np.eye(2 * n), np.zeros((2 * n, n)))
+    A, B, *_ = scipy.signal.cont2discrete(linear, 1.0 / rate)  # a torque is held over each period
     Q, R = np.diag(np.append((np.deg2rad(angles) * model.radian) ** -2.0, at_rest)), np.diag(torques**-2.0)
     try:
         S = scipy.linalg.solve_discrete_are(A, B, Q, R)
@@ -84,10 +85,4 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
     A[n:, :n] = -inverse @ (by_q + of_springs)
     A[n:, n:] = -inverse @ (by_v + np.diag(model.viscous))
     B[n:] = inverse
-    return A, B
-
-
-def discretise(A: FloatArray, B: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
-    """Discretise with the torque held over each period, x⁺ = A x + B u."""
-    A, B = scipy.signal.cont2discrete((A, B, np.eye(len(A)), np.zeros_like(B)), period)[:2]
     return A, B

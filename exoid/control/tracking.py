@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from exoid.signals import Recording
 from exoid.tools.json_values import attributes
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
+from exoid.torques.position_units import PositionUnit, heading, position_units
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,6 +36,7 @@ class Tracking(ReadOnly):
         recording: Log of the sensors.
         settle: Time at the beginning that the metrics leave out [s].
         interaction: True torque of the wearer on the leg [N·m], (N, n); None without wearer.
+        units: Unit in which errors of each joint are shown, (n,).
     """
 
     law: str
@@ -48,6 +50,7 @@ class Tracking(ReadOnly):
     recording: Recording
     settle: float = 0.0
     interaction: FloatArray | None = None
+    units: tuple[PositionUnit, ...] = field(kw_only=True)
 
     @property
     def error(self) -> FloatArray:
@@ -56,13 +59,13 @@ class Tracking(ReadOnly):
 
     @property
     def peak_deg(self) -> FloatArray:
-        """Largest tracking error [deg]."""
-        return np.asarray(np.rad2deg(np.abs(self._settled(self.error)).max(axis=0)))
+        """Largest tracking error [deg], of a slide [mm]."""
+        return np.asarray(np.abs(self._settled(self.error)).max(axis=0) / [unit.size for unit in self.units])
 
     @property
     def rms_deg(self) -> FloatArray:
-        """RMS tracking error [deg]."""
-        return np.asarray(np.rad2deg(rms(self._settled(self.error))))
+        """RMS tracking error [deg], of a slide [mm]."""
+        return np.asarray(rms(self._settled(self.error)) / [unit.size for unit in self.units])
 
     @property
     def rms_torque(self) -> FloatArray:
@@ -107,7 +110,8 @@ class Tracking(ReadOnly):
 
     def __repr__(self) -> str:
         """Name the controller and its errors."""
-        peaks = ", ".join(f"{n} {e:.3g}°" for n, e in zip(self.joint_names, self.peak_deg, strict=True))
+        each = zip(self.joint_names, self.peak_deg, self.units, strict=True)
+        peaks = ", ".join(f"{name} {error:.3g}{unit.name}" for name, error, unit in each)
         return f"Tracking({self.law} at {self.rate:g} Hz: peak {peaks})"
 
     def __str__(self) -> str:
@@ -118,9 +122,10 @@ class Tracking(ReadOnly):
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
     """Make a table of several controllers, with the torque of the wearer if they are worn."""
     runs = tuple(trackings)
+    position = heading(runs[0].units if runs else ())
     figures = {
-        "peak [deg]": ("peak_deg", 2),
-        "rms [deg]": ("rms_deg", 2),
+        f"peak [{position}]": ("peak_deg", 2),
+        f"rms [{position}]": ("rms_deg", 2),
         "rms [N·m]": ("rms_torque", 1),
         "energy [J]": ("energy", 1),
         "TV [N·m/s]": ("torque_variation", 1),
@@ -140,7 +145,8 @@ def tracking_of(run: Run, rig: int, law: str, rate: float, settle: float) -> Tra
     """Take one rig out of a run."""
     target, q, v, tau = (x[..., rig] for x in (run.target, run.q, run.v, run.tau))
     log, felt = run.recording(rig, velocity=True), None if run.interaction is None else run.interaction[..., rig]
-    return Tracking(law, rate, run.plant.leg.joint_names, run.time, target, q, v, tau, log, settle, felt)
+    leg, motion = run.plant.leg, (run.time, target, q, v, tau, log)
+    return Tracking(law, rate, leg.joint_names, *motion, settle, felt, units=position_units(leg))
 
 
 def rms(values: FloatArray) -> FloatArray:

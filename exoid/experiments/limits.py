@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,33 +14,14 @@ from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
 from exoid.tools.numbers import ROUNDED, checked
-from exoid.torques.catalog import radians, turning_joints
+from exoid.torques.catalog import radians
+from exoid.torques.position_units import position_units
 
 MARGIN = np.deg2rad(3.0)
 """Margin to the joint limits of the URDF for overshoot of the servos [rad]; a tenth of it in m of a prismatic joint."""
 
-
-class PositionUnit(NamedTuple):
-    """Unit in which positions of a joint are given and shown: degrees, or millimetres of a prismatic joint."""
-
-    size: float  # how large it is [rad or m]
-    name: str  # as it follows a number
-
-    @property
-    def axes(self) -> dict[str, str]:
-        """Quantities of the joint with their units, as axes of figures name them."""
-        if self.name == "°":
-            return {"angle": "angle [deg]", "velocity": "velocity [rad/s]", "torque": "torque [N·m]"}
-        return {"angle": "position [mm]", "velocity": "velocity [m/s]", "torque": "force [N]"}
-
-    def show(self, position: float) -> str:
-        """Write a position."""
-        return f"{position / self.size:.1f}{self.name}"
-
-
-def position_units(leg: Leg) -> list[PositionUnit]:
-    """Unit of each joint, n of them."""
-    return [PositionUnit(np.deg2rad(1.0), "°") if turns else PositionUnit(1e-3, " mm") for turns in turning_joints(leg)]
+RANGE = "give a lower limit below the upper one, both finite, or a smaller margin"
+"""Remedy for limits without a range between them."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,12 +48,7 @@ class MotionLimits:
     def __post_init__(self) -> None:
         """Check the limits."""
         if not (self.lower < self.upper).all() or not np.isfinite([self.lower, self.upper]).all():
-            joint = int(np.argmin(self.upper - self.lower))
-            raise BadArgumentError(
-                f"no range between the limits of joint {joint}: {np.rad2deg(self.lower[joint]):.1f}° to "
-                f"{np.rad2deg(self.upper[joint]):.1f}°",
-                remedy="give a lower limit below the upper one, both finite, or a smaller margin",
-            )
+            raise BadArgumentError("a joint has no range between its limits", remedy=RANGE)
         for name in ("velocity", "acceleration", "torque"):
             checked(getattr(self, name), f"a {name} limit", above=0.0, infinite=True)
 
@@ -126,6 +101,10 @@ class MotionLimits:
             upper[joint] = min(upper[joint], high * size)
         if leg.closure is not None:
             lower, upper = leg.closure.closing(lower, upper)
+        for joint in np.flatnonzero(~(lower < upper))[:1]:
+            low, high = map(position_units(leg)[joint].show, (lower[joint], upper[joint]))
+            what = f"no range between the limits of {leg.joint_names[joint]}: {low} to {high}"
+            raise BadArgumentError(what, remedy=RANGE)
         speed, change, effort = (
             for_joints(np.inf if x is None else x, n, f"{name} limits")
             for name, x in (("velocity", velocity), ("acceleration", acceleration), ("torque", torque))

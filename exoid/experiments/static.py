@@ -12,6 +12,8 @@ from exoid.leg.torso import TorsoMotion
 from exoid.rig import Plant, Run, simulate
 from exoid.signals import Approaches, Poses
 from exoid.tools.numbers import checked
+from exoid.torques.catalog import radians
+from exoid.torques.position_units import position_units
 
 from .bench import Bench
 from .limits import refuse_poses_beyond_limits
@@ -23,7 +25,7 @@ class StaticProtocol:
     """Approach of a pose and reading of its torque.
 
     Attributes:
-        distance: Distance of the start below or above the pose, at each joint [rad].
+        distance: Distance of the start below or above the pose, at each joint [rad]; a tenth of it in m of a slide.
         travel: Time of travel to the pose [s].
         wait: Settling time at the pose [s].
         readings: Number of final samples that are averaged.
@@ -69,7 +71,7 @@ def run_static(
     count = len(poses)
     wide = plant.repeat(2 * count)  # rig by rig: K poses from below, K from above
     goal = np.tile(np.concatenate([poses, poses]), (plant.count, 1)).T
-    side = np.tile(np.repeat([-1.0, 1.0], count), plant.count) * protocol.distance
+    side = np.outer(protocol.distance * radians(plant.leg), np.tile(np.repeat([-1.0, 1.0], count), plant.count))
     start = np.clip(goal + side, wide.lower, wide.upper)
     duration = protocol.travel + protocol.wait
     run = simulate(
@@ -101,13 +103,13 @@ def run_static(
 def _refuse_fast_approach(plant: Plant, protocol: StaticProtocol, bench: Bench) -> None:
     """Refuse an approach that is too fast, and readings that begin during the travel."""
     # the largest speed of an `Approach` is 15/8 of its mean speed
-    fastest = 1.875 * protocol.distance / protocol.travel
+    fastest = 1.875 * protocol.distance * radians(plant.leg) / protocol.travel
     slow = plant.leg.limits.velocity < fastest
     if slow.any():
         joint = int(slow.argmax())
+        asked, limit = map(position_units(plant.leg)[joint].show, (fastest[joint], plant.leg.limits.velocity[joint]))
         raise BadArgumentError(
-            f"the approach asks {plant.leg.joint_names[joint]} for {np.rad2deg(fastest):.0f}°/s, "
-            f"its limit is {np.rad2deg(plant.leg.limits.velocity[joint]):.0f}°/s",
+            f"the approach asks {plant.leg.joint_names[joint]} for {asked}/s, its limit is {limit}/s",
             remedy="increase the time of travel, or start closer",
         )
     if protocol.readings > protocol.wait * bench.rates.log:

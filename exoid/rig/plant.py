@@ -14,6 +14,7 @@ from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.tools.numbers import checked
 from exoid.tools.tables import DataTable, to_text, value_range
+from exoid.torques.position_units import heading, position_units
 
 STIFFNESS_DEGREE = 2
 """Degree of the polynomial spring at each joint."""
@@ -135,13 +136,12 @@ class Plant:
     def __str__(self) -> str:
         """Print as a table: the range of each quantity over the rigs, one line a joint."""
         b2, b1, b0 = self.stiffness
-        ends = np.rad2deg([self.lower, self.upper])
+        units = position_units(self.leg)
+        ends = np.array([self.lower, self.upper]) / np.array([unit.size for unit in units])[:, None]
         columns = (self.coulomb, self.static, self.viscous, self.armature, b2, b1, b0, *ends)
-        rows = [
-            (name, *(value_range(column[joint]) for column in columns))
-            for joint, name in enumerate(self.leg.joint_names)
-        ]
-        headers = ("joint", "c0", "cs", "d", "Ia", "b2", "b1", "b0", "from [deg]", "to [deg]")
+        rows = list(zip(self.leg.joint_names, *(map(value_range, column) for column in columns), strict=True))
+        at = heading(units)
+        headers = ("joint", "c0", "cs", "d", "Ia", "b2", "b1", "b0", f"from [{at}]", f"to [{at}]")
         return to_text(DataTable(f"Plant: {self.description}; SI units", headers, rows))
 
     @property

@@ -15,6 +15,7 @@ from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
 from exoid.signals.torque_delay import DRIVE_CHANNELS
 from exoid.tools.tables import DataTable, to_text, value_range
+from exoid.torques.position_units import heading, position_units
 
 from .plant import Plant
 
@@ -86,11 +87,13 @@ class Run:
 
     def __str__(self) -> str:
         """Print as a table: range of motion, tracking error and torque over all rigs, one line a joint."""
-        degrees, error = np.rad2deg(self.q), np.rad2deg(self.target - self.q)
+        units = position_units(self.plant.leg)
+        sizes, at = np.array([unit.size for unit in units])[:, None], heading(units)
+        shown, error = self.q / sizes, (self.target - self.q) / sizes
         rows = [
             (
                 name,
-                value_range((degrees[:, joint].min(), degrees[:, joint].max())),
+                value_range((shown[:, joint].min(), shown[:, joint].max())),
                 f"{np.abs(self.v[:, joint]).max():.3g}",
                 f"{np.abs(error[:, joint]).max():.3g}",
                 f"{np.sqrt(np.mean(error[:, joint] ** 2)):.3g}",
@@ -98,14 +101,8 @@ class Run:
             )
             for joint, name in enumerate(self.plant.leg.joint_names)
         ]
-        headers = (
-            "joint",
-            "angle [deg]",
-            "max speed [rad/s]",
-            "max error [deg]",
-            "rms error [deg]",
-            "max torque [N·m]",
-        )
+        errors = f"max error [{at}]", f"rms error [{at}]"
+        headers = ("joint", f"angle [{at}]", "max speed [rad/s]", *errors, "max torque [N·m]")
         table = DataTable(f"Run of {self.plant.description}: {self._size}", headers, rows)
         return to_text(table, f"energy balance: relative error up to {self.energy.relative_error.max():.1g}")
 

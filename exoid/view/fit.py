@@ -63,8 +63,7 @@ def plot_residual_trend(ax: Axes, x: FloatArray, residual: FloatArray, joint: in
 
 def plot_friction_fit(ax: Axes, velocity: FloatArray, measured: FloatArray, fitted: FloatArray, label: str) -> Axes:
     """Plot measured and modelled friction torque of one joint over its velocity."""
-    # Both are drawn as dots: friction that depends on load, or has memory of the last reversal, is not a function of
-    # velocity.
+    # Dots, as friction that depends on load, or has memory of the last reversal, is not a function of velocity
     draw_samples(ax, velocity, measured, MEASURED, size=1.4, alpha=0.3, label="measured less other terms")
     draw_samples(ax, velocity, fitted, PREDICTED, size=1.4, alpha=0.7, label="fitted")
     return decorate(ax, f"{label} velocity [rad/s]", f"{label} friction [N·m]", zero=True)

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 
 from exoid.experiments.excitation import Plan
 from exoid.experiments.excitation.precision import Precision
-from exoid.experiments.limits import position_units
 from exoid.regression.diagnostics import WEAKLY, WELL
+from exoid.torques.position_units import position_units
 
 from .colours import MEASURED, RESIDUAL, joint_colour
 from .style import decorate, decorate_column

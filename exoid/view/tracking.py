@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from exoid._typing import FloatArray
 from exoid.control import LawReplay, Tracking
+from exoid.torques.position_units import heading
 
 from .colours import GUIDE, LAW_COLOURS, MEASURED, PREDICTED, RESIDUAL, joint_colour
 from .style import decorate, decorate_column
@@ -31,7 +32,9 @@ def plot_tracking_errors(
     """
     for ax in axes:
         ax.axhline(0.0, color=GUIDE, lw=0.8)
-    return _plot_runs(axes, runs, names, colours, lambda run: np.rad2deg(run.error), "error [deg]")
+    units = next(iter(runs.values())).units
+    labels = [f"{name} error [{heading([unit])}]" for name, unit in zip(names, units, strict=True)]
+    return _plot_runs(axes, runs, labels, colours, lambda run: run.error / [unit.size for unit in units])
 
 
 def plot_law_torques(
@@ -48,7 +51,7 @@ def plot_law_torques(
     Returns:
         The axes.
     """
-    return _plot_runs(axes, runs, names, colours, lambda run: run.tau, "torque [N·m]")
+    return _plot_runs(axes, runs, [f"{name} torque [N·m]" for name in names], colours, lambda run: run.tau)
 
 
 def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Axes:
@@ -76,24 +79,22 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
     ax.margins(x=0.15)
     ax.grid(visible=False, axis="y")
     ax.set_xscale("log")
-    return decorate(ax, "peak error [deg]", "")
+    return decorate(ax, f"peak error [{heading(next(iter(runs.values())).units)}]", "")
 
 
 def _plot_runs(
     axes: Sequence[Axes],
     runs: Mapping[str, Tracking],
-    names: Sequence[str],
+    labels: Sequence[str],
     colours: Sequence[str],
     values: Callable[[Tracking], FloatArray],
-    quantity: str,
 ) -> Sequence[Axes]:
     """Plot one quantity of each joint, (N, n), over the time since settling."""
     for joint, ax in enumerate(axes):
         for colour, (label, run) in zip(cycle(colours), runs.items(), strict=False):
             settled = run.time >= run.settle
-            time, value = run.time[settled] - run.settle, values(run)[settled, joint]
-            ax.plot(time, value, color=colour, lw=0.8, label=label)
-    return decorate_column(axes, [f"{name} {quantity}" for name in names], columns=2)
+            ax.plot(run.time[settled] - run.settle, values(run)[settled, joint], color=colour, lw=0.8, label=label)
+    return decorate_column(axes, labels, columns=2)
 
 
 def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:

@@ -13,15 +13,8 @@ MATRIX = ((0.05, 0.05), (0.06, -0.04))
 COUPLING = Coupling(("hip", "knee"), MATRIX)
 
 
-def test_power_is_the_same_on_both_sides() -> None:
-    """τ_mᵀ θ̇_m = τᵀ q̇ with q = A θ_m."""
-    of_motors, speed = RNG.normal(size=(30, 2)), RNG.normal(size=(30, 2))
-    v = speed @ np.array(MATRIX).T
-    tau = COUPLING.torque(of_motors)
-    np.testing.assert_allclose((tau * v).sum(axis=1), (of_motors * speed).sum(axis=1), rtol=1e-12)
-
-
 def test_motor_torques_become_joint_torques_of_a_recording_and_back() -> None:
+    """Virtual work: τ_mᵀ θ̇_m = τᵀ q̇ with q = A θ_m."""
     time = np.arange(50) / 50.0
     given = exoid.Recording(
         time=time, q=np.zeros((50, 2)), motor_torque=RNG.normal(size=(50, 2)), joint_names=("left_hip", "left_knee")

@@ -73,13 +73,15 @@ def test_without_noise_constants_and_parameters_are_exact():
 
 
 def test_constants_of_joints_may_differ_by_orders_of_magnitude():
-    """An efficiency that runs to its bound on the way comes back."""
+    """Efficiencies beside torque constants; one that runs to its bound on the way comes back."""
     factors = np.array([20.0, 0.1])
     logs = [log(1, eta=ETA, seconds=40.0), log(2, PAYLOAD, eta=ETA, seconds=40.0)]
     logs = [replace(one, current=one.current / factors) for one in logs]
     found = identify(LEG, logs, TERMS, actuators=motors(efficiency=None, back_efficiency=1.0))
     scaled = {"kt_hip": factors[0] * KT[0], "kt_knee": factors[1] * KT[1], "eta_hip": ETA, "eta_knee": ETA}
     check_against(found, TRUTH | scaled, 0.02)
+    drive = found.actuators.drives["left_knee"]
+    assert (drive.torque_constant, drive.efficiency) == (found["kt_knee"].value, found["eta_knee"].value)
 
 
 def test_noise_of_the_current_attenuates_nothing():
@@ -89,14 +91,6 @@ def test_noise_of_the_current_attenuates_nothing():
         for k in range(8)
     ]
     assert np.mean(errors) == pytest.approx(KT[1], rel=0.02)
-
-
-def test_efficiency_is_found_beside_the_torque_constant():
-    logs = [log(1, eta=ETA, seconds=40.0), log(2, PAYLOAD, eta=ETA, seconds=40.0)]
-    found = identify(LEG, logs, TERMS, actuators=motors(efficiency=None, back_efficiency=1.0))
-    check_against(found, TRUTH | {"eta_hip": ETA, "eta_knee": ETA}, 0.02)
-    drive = found.actuators.drives["left_knee"]
-    assert (drive.torque_constant, drive.efficiency) == (found["kt_knee"].value, found["eta_knee"].value)
 
 
 def test_efficiency_alone_needs_no_payload():

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from controlled_legs import cuhk_plant, frictionless
+from controlled_legs import LEG, cuhk_plant, frictionless
 from scipy.integrate import solve_ivp
 
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, simulate_law, simulate_many
-from exoid.experiments import healthy_gait
-from exoid.rig import Plant, Target
+from exoid.experiments import Hold, healthy_gait
+from exoid.leg.description import describe
+from exoid.leg.leg import Leg
+from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Target, simulate
 
 pytestmark = pytest.mark.slow
 
@@ -74,6 +76,19 @@ def test_metrics_are_what_their_names_say():
     power = np.abs(run.tau * run.v)[late]
     np.testing.assert_allclose(run.energy, (power[1:] + power[:-1]).sum(axis=0) / 200.0)
     assert run.to_json()["peak_deg"] == run.peak_deg.tolist()
+
+
+def test_positions_of_a_slide_are_in_mm():
+    """Metres of a rail were printed as if they were radians."""
+    rail = describe(LEG.description.text.replace("revolute", "prismatic", 1))
+    plant, hold = Plant.build(Leg.from_description(rail, LEG.joint_names)), Hold(np.array([[0.3], [0.5]]))
+    run = simulate_law(plant, pd(KP, KD), hold, 0.5)
+    errors = np.abs(run.error[1:]).max(axis=0) / [1e-3, np.deg2rad(1.0)]
+    np.testing.assert_allclose(run.peak_deg, errors)
+    assert repr(run).endswith(f"left_hip {errors[0]:.3g} mm, left_knee {errors[1]:.3g}°)")
+    assert f"{1e3 * plant.lower[0, 0]:.3g}" in str(plant)
+    rig = str(simulate(plant, hold, ProportionalDerivative(2e3, 2e2), IdealTorque(), 0.0005))
+    assert all("mm or deg" in table for table in (str(run), str(plant), rig))
 
 
 def test_many_rigs_at_once_do_what_each_does_alone():

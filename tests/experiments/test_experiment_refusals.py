@@ -29,6 +29,7 @@ from exoid.rig.ground.plant import BLEEX_SOLES
 BLEEX, CUHK, EXO = exoid.load_leg("bleex"), exoid.load_leg("cuhk"), bleex_machine()
 FLOATING, GAIT = exoid.load_exo("bleex", base="floating"), healthy_gait(0.8, 1.2)
 OTHER = exoid.Leg.from_description(describe(FLOATING.description.plain, "other.urdf"), base="floating")
+SLIDING = exoid.Leg.from_description(describe(CUHK.description.text.replace("revolute", "prismatic")), ("left_hip",))
 UNDAMPED, DAMPED = ProportionalDerivative(400.0, 0.0), ProportionalDerivative(800.0, 60.0)
 POSE = [[0.5, 0.5]]
 TINY = {link: Sole.flat(-0.02, 0.02, -0.115) for link in BLEEX_SOLES}
@@ -49,9 +50,9 @@ def bench(servo=DAMPED, control=500.0):
     return Bench(servo, IdealTorque(), Sensors(encoder_counts=np.inf), Rates(control, 50.0, 1e-3))
 
 
-def static(poses=POSE, servo=DAMPED, **protocol):
+def static(poses=POSE, servo=DAMPED, leg=CUHK, **protocol):
     protocol = StaticProtocol(**{"travel": 1.0, "wait": 1.0, **protocol})
-    return run_static(Plant.build(CUHK), np.array(poses), bench(servo), np.random.default_rng(0), protocol)
+    return run_static(Plant.build(leg), np.array(poses), bench(servo), np.random.default_rng(0), protocol)
 
 
 def follow(amplitude_deg=10.0, frequency=0.1, duration=10.0, joints=2, control=500.0):
@@ -89,7 +90,8 @@ REFUSED = {
         ("c0_elbow", lambda: assess(CUHK, follow_exactly(), values={"c0_elbow": 1.0})),
         ("torque", lambda: plan({"torque": 5.0, "angles_deg": {"hip": (40, 50)}})),
         ("elbow", lambda: plan({"angles_deg": {"elbow": (0, 1)}})),
-        ("range", lambda: plan({"angles_deg": {"knee": (90, 20)}})),
+        ("left_knee: 90.0° to 20.0°", lambda: plan({"angles_deg": {"knee": (90, 20)}})),
+        ("left_hip: 90.0 mm to 20.0 mm", lambda: MotionLimits.of(SLIDING, angles_deg={"hip": (90, 20)})),
         ("velocity", lambda: plan({"velocity": -1.0})),
         ("no recordings", lambda: assess(CUHK, [])),
         ("middle", lambda: stance(feet=("middle",))),
@@ -114,7 +116,8 @@ REFUSED = {
         ("step", lambda: follow(control=333.0)),
         ("travel", lambda: StaticProtocol(travel=0.0)),
         ("left_hip", lambda: static([[3.0, 0.5]])),
-        ("the approach asks", lambda: static(travel=0.01)),
+        ("left_hip for 1500.0°/s", lambda: static(travel=0.01)),
+        ("left_hip for 26179.9 mm/s", lambda: static([[0.5]], leg=SLIDING, travel=0.001)),
         ("wait", lambda: static(wait=0.1, readings=50)),
         ("rest", lambda: static(servo=UNDAMPED)),
         ("no leg 2", lambda: single_support(EXO, 1.0, standing=2)),

@@ -13,7 +13,7 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.limits import MotionLimits, position_units
+from exoid.experiments.limits import MotionLimits
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
@@ -21,6 +21,7 @@ from exoid.leg.torso import TorsoMotion
 from exoid.signals import Preparation, Recording
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import radians, terms_of
+from exoid.torques.position_units import position_units
 
 from .precision import Information, Precision, information_of, on_ground, supports_during
 from .scales import STATES, Scales, TorqueNoise, expected_parameters, reference_states

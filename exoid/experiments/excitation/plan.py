@@ -10,13 +10,14 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
-from exoid.experiments.limits import MotionLimits, position_units
+from exoid.experiments.limits import MotionLimits
 from exoid.leg.leg import Leg
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.torso import TorsoMotion
 from exoid.signals import Recording
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import terms_of
+from exoid.torques.position_units import position_units
 
 from .fourier import FourierMotion, series
 from .objective import Criterion, Objective

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
 from exoid.estimate.validation import HEADERS
-from exoid.experiments.limits import position_units
 from exoid.regression.every_row import make_rows
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
+from exoid.torques.position_units import position_units
 from exoid.view.colours import PREDICTED, RESIDUAL
 from exoid.view.fit import plot_friction_fit, plot_prediction, plot_residual_trend
 from exoid.view.style import decimation, decorate

@@ -6,13 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import scipy
 from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, frictionless
 from integrated_worn_leg import WornLeg
 
 import exoid
 from exoid import ExoidError, published
 from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
-from exoid.control.lqr import discretise, linearise
+from exoid.control.lqr import linearise
 from exoid.experiments import Hold
 from exoid.lab.stability import largest_amplification
 from exoid.lab.stability.draws import draw_truths
@@ -80,8 +81,9 @@ def test_without_wearer_and_memory_the_radius_is_that_of_the_model_of_lqr(delay)
     law = gravity_friction_pd(PLANT, (22.0, 55.0), (2.2, 5.5), friction=None, rate=50.0)
     loop = WornLoop.of([law], np.zeros(1), None, POSE[None], delay)
     radius = loop.radius(loop.legs_of([MODEL]), np.zeros(1))
-    A, B = discretise(*linearise(MODEL, POSE, np.zeros(2), np.zeros(2)), 1.0 / law.rate)
-    matrix = loop_matrices(HeldLeg(A[None], B[None], np.eye(6, 4)), linear_law(law, POSE).without_last(), delay)
+    moves = np.vstack([np.hstack(linearise(MODEL, POSE, np.zeros(2), np.zeros(2))), np.zeros((2, 6))])
+    A, B = np.split(scipy.linalg.expm(moves / law.rate)[None, :4], [4], axis=2)  # a torque is held for a period
+    matrix = loop_matrices(HeldLeg(A, B, np.eye(6, 4)), linear_law(law, POSE).without_last(), delay)
     assert radius[0] == pytest.approx(np.abs(np.linalg.eigvals(matrix)).max(), rel=1e-7)
 
 
