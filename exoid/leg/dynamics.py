@@ -99,6 +99,10 @@ def joint_frames(model: pin.Model, q: FloatArray) -> JointFrames:
         np.add(p, at.translation @ R, out=translation[j])
         if slide.any():
             translation[j] += (slide @ rotation[j]) * q[joint.idx_v]
+        elif np.abs(u).max() == 1.0:  # about an axis of its frame, which is usual: only the two others turn
+            k, angle = int(np.abs(u).argmax()), q[joint.idx_v]
+            c, s, (a, b) = np.cos(angle), u[k] * np.sin(angle), rotation[j].swapaxes(0, 1)[[k - 2, k - 1]]
+            rotation[j, :, k - 2], rotation[j, :, k - 1] = c * a + s * b, c * b - s * a
         elif u.any():
             across, turned = (np.eye(3) - along) @ rotation[j], pin.skew(u).T @ rotation[j]
             rotation[j] = along @ rotation[j] + np.cos(q[joint.idx_v]) * across + np.sin(q[joint.idx_v]) * turned

@@ -103,7 +103,7 @@ def from_the_page(tmp_path_factory):
 
 @pytest.mark.parametrize("solver", [None, "from_the_page"], ids=["Python's", "docs"])
 def test_c_is_the_law_in_random_states(compiled, solver, request):
-    """To the accuracy of the solver; three contacts, which hold some direction twice, are the worst."""
+    """Wherever the solver loses digits, too; several contacts, which hold some direction twice, are the worst."""
     law, in_c = compiled
     given = {} if solver is None else {"solve": request.getfixturevalue(solver)}
     rng, off, infeasible = np.random.default_rng(1000), {1: 0.0, 2: 0.0, 3: 0.0}, 0
@@ -116,8 +116,8 @@ def test_c_is_the_law_in_random_states(compiled, solver, request):
         count = len(state.contacts)
         off[count] = max(off[count], np.abs(tau[0] - expected.torque).max() / np.abs(law.limit).max())
     print(f"{infeasible} infeasible; largest difference over the limit by number of contacts: {off}")
-    assert off[1] < 1e-9
-    assert max(off.values()) < 1e-7
+    assert off[1] < 1e-11
+    assert max(off.values()) < 2e-10
     assert infeasible > 10
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain, combinations
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -25,9 +24,6 @@ from .model import GroundModel
 
 CONTACTS = (*SIDES, SEAT)
 """Contacts in the order of their bits."""
-
-ALL_SETS = tuple(map(frozenset, chain.from_iterable(combinations(CONTACTS, k) for k in range(4))))
-"""Sets of contacts in the order of a filter with two feet and a seat."""
 
 BEGIN = "    for (j = 0; j < {{N}}; ++j) {\n        state->torque[j] = state->last[j];\n    }\n    (void)in;"
 """The torque goes on from the last one, that of a fault too."""
@@ -67,10 +63,8 @@ def coordinator_part(machine: Coordinator, sets: Sequence[Contacts]) -> PartInC:
         *(ArrayInC(name, "see exoid.control.ground.coordinator", np.array(x)) for name, x in numbers.items()),
     )
     order, first = ", ".join(f"{k} {name}" for name, k in states.items()), machine.begin(machine.states[-1])
-    loaded, times = (
-        [first.loaded.get(x, 0.0) for x in CONTACTS],
-        ("since_known", "unexpected", "settled", "lost", "waiting"),
-    )
+    loaded = [first.loaded.get(x, 0.0) for x in CONTACTS]
+    times = ("since_known", "unexpected", "settled", "lost", "waiting")
     memory = (
         ArrayInC("function", f"function that runs: {order}", np.array(states[first.function])),
         ArrayInC("phase", "its phase", np.array(0.0)),
@@ -85,32 +79,6 @@ def coordinator_part(machine: Coordinator, sets: Sequence[Contacts]) -> PartInC:
         ArrayInC("slope", "its rate [N m/s]", np.zeros(n)),
     )
     return PartInC(tables, memory, helpers)
-
-
-def coordinator_in_c(machine: Coordinator, dialect: Dialect) -> LawInC:
-    """Describe a coordinator for contacts and a law of the caller's own."""
-    dialect.require_double("the coordinator")
-    part, n = coordinator_part(machine, ALL_SETS), len(machine.limit)
-    sets = ", ".join("+".join(sorted(each)) or "air" for each in ALL_SETS)
-    return LawInC(
-        tuple(f"joint {k + 1}" for k in range(n)),
-        "function and shares of the contacts by a table of rules; tau = wanted within bounds of torque, power and jerk",
-        "    {{p}}_decide(state, in->chance, in->flexion, (int)in->wish[0], in->slips[0] > 0.5, in->broken[0] > 0.5);\n"
-        "    {{p}}_bound(state, in->wanted, in->v, tau);\n    (void)j;",
-        machine.rate,
-        np.full(n, machine.numbers["damping"]),
-        (
-            InputInC("chance", f"probability of each set of contacts: {sets}; the rest is unknown", "reading", 8),
-            InputInC("flexion", "of hip, knee and ankle of the left, then of the right leg [rad]", "reading", 6),
-            *wishes(machine),
-            InputInC("wanted", "torque that is wanted [N m]"),
-        ),
-        part.tables,
-        part.memory,
-        BEGIN,
-        part.helpers,
-        limit=machine.limit,
-    )
 
 
 def wishes(machine: Coordinator) -> tuple[InputInC, ...]:

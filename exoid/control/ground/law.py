@@ -26,7 +26,7 @@ from exoid.tools.numbers import checked
 
 from .in_c import stance_in_c
 from .model import BASE, ContactRows, GroundModel
-from .qp import Rows, minimise, require_daqp
+from .qp import REACHED, YIELDS, Rows, minimise, require_daqp, solutions
 
 ContactKind = Literal["flat", "heel", "toe"]
 """Part of a sole that touches."""
@@ -165,10 +165,10 @@ class StanceLaw:
         count = len(J)
         bias[:BASE] -= 0.0 if state.push is None else state.push  # what no actuator gives
         bias[joints] -= 0.0 if state.interaction is None else state.interaction
-        # equality rows of x = (dν, f / weight): contacts that hold, and the base, which has no actuator
+        # equality rows of x = (dν, f / weight): contacts that hold, and the base over the weight, which has no actuator
         weight = self.weight
-        E = np.block([[J, np.zeros((count, count))], [M[:BASE], -weight * J[:, :BASE].T]])
-        x, N = _solutions(E, -np.concatenate([drift, bias[:BASE]]))
+        E = np.block([[J, np.zeros((count, count))], [M[:BASE] / weight, -J[:, :BASE].T]])
+        x, N = solutions(E, -np.concatenate([drift, bias[:BASE] / weight]))
         T = np.hstack([M[joints], -weight * J[:, joints].T])  # τ = T x + bias of the joints
         apart = weight * SHARE * _sizes(rows)[:, None] * (np.eye(count) - share_map(J[:, :BASE].T, shares, rows))
         A = np.zeros((n + 1 + 2 + n + count, BASE + n + count))
@@ -258,6 +258,8 @@ class StanceLaw:
             "drift_cost": (DRIFT, "of the hip [s^2/m]"),
             "arm": (ARM, "by which forces and moments are compared [m]"),
             "fading": (FADING, "share over the largest below which a contact fades"),
+            "reached": (REACHED, "distance at which a row of the program counts as reached, over its size"),
+            "yields": (YIELDS, "slack of a row that yields at the cost 1, over its size"),
             "least_share": (LEAST_SHARE, "least normal force beside others, over the weight and its share"),
             "largest_share": (LARGEST_SHARE, "largest force of a contact that bears all, over the weight"),
         }
@@ -373,13 +375,6 @@ def share_map(A: FloatArray, shares: FloatArray, rows: list[ContactRows], *, bea
 def _sizes(rows: list[ContactRows]) -> FloatArray:
     """Sizes by which forces and moments are compared, 1 for a force and 1 / ARM for a moment."""
     return np.concatenate([(1.0, 1.0, 1.0 / ARM)[: len(each.J)] for each in rows])
-
-
-def _solutions(E: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """All x with E x = b: the smallest one, and a basis of what may be added; contacts may hold a direction twice."""
-    U, s, Vt = np.linalg.svd(E)
-    rank = int(np.count_nonzero(s > 1e-9 * s[0]))
-    return Vt[:rank].T @ ((U[:, :rank].T @ b) / s[:rank]), Vt[rank:].T
 
 
 def _pressure_std(estimate: Estimate) -> float:

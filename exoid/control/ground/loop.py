@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -30,7 +32,7 @@ from exoid.rig.ground.plant import SEAT as SEAT_SOLE
 from exoid.rig.ground.plant import soles_of
 
 from .coordination_in_c import coordinated_in_c
-from .coordinator import DAMPING, SAFE, Coordinator, Decision
+from .coordinator import DAMPING, KEEPS, SAFE, Coordinator, Decision
 from .hypotheses import BLOCK, ContactFilter, ContactReadings
 from .law import ContactKind, GroundState, GroundTarget, StanceCommand, StanceLaw, stance
 from .model import BASE, BRAKE
@@ -40,6 +42,9 @@ BOUNCE = 0.02
 
 ROLLS, NOTICED = 0.06, 0.004
 """Velocity of a sole at rest [m/s], and slip from which the ground is slippery and a seat is not left [m]."""
+
+TOLD = 0.1
+"""Least change of an angle or a place of soles by which they tell a reading that froze [rad/rad or m/rad]."""
 
 
 @dataclass(eq=False)
@@ -205,6 +210,9 @@ class CoordinatedLoop(LawLoop):
         self._grip = self.law.ground_friction  # coefficient of friction before any slip
         self._plan = np.zeros((2, self.law.model.n))  # angles and rates of the last target; later what they become
         self._frozen: dict[int, float] = {}  # readings of joints and of the pitch, last, that froze, and their values
+        # angles and contacts of the last 2 s, and soles that bear since before a reading froze, with their places
+        self._past: deque[tuple[FloatArray, Mapping[str, ContactKind]]] = deque(maxlen=round(2.0 * rate))
+        self._apart: tuple[dict[str, ContactKind], FloatArray] = {}, np.zeros(0)
 
     def __call__(self, reading: GroundReading) -> FloatArray:
         """Compute the torque to hold until the next sample.
@@ -262,10 +270,16 @@ class CoordinatedLoop(LawLoop):
 
         Raises:
             ExoidError: As for :func:`exoid.control.stance` and :meth:`ContactFilter.of`, or the legs have no functions.
+
+        Example:
+            >>> from exoid.experiments import ground
+            >>> log = ground.squats_and_shifts(ground.bleex_machine(), 2.0).recording()
+            >>> loop = CoordinatedLoop.of(exoid.identify(exoid.load_exo("bleex", base="floating"), log, check=False))
+            >>> loop.coordinator.states[:3]
+            ('stand', 'sit', 'rise')
         """
-        own = (
-            {**soles_of(estimate.leg, None), estimate.leg.description.root_link: SEAT_SOLE} if soles is None else soles
-        )
+        seat = {estimate.leg.description.root_link: SEAT_SOLE}
+        own = {**soles_of(estimate.leg, None), **seat} if soles is None else soles
         law, body = stance(estimate, own, limit=limit, rate=rate), Body.of(estimate.leg, own)
         functions = {name: make(body) for name, make in FUNCTIONS.items()}
         contacts = ContactFilter.of(estimate, own, rate=rate)
@@ -300,35 +314,59 @@ class CoordinatedLoop(LawLoop):
         return np.where(frozen, bears * torque, torque + stiff * (q - reading.q - 0.05 * reading.v))
 
     def _mend(self, reading: GroundReading) -> tuple[GroundReading, bool]:
-        """Replace readings that froze by what soles that lie flat tell, and tell whether any is left."""
+        """Replace readings that froze by what soles at rest tell, and tell whether any is left."""
         turns, n, raw = self.law.model.turns, self.law.model.n, np.append(reading.q, reading.pitch)
         flags = np.resize(self._told.frozen, 2 * n + 1)[[*range(n), -1]]  # of angles and the gyroscope
         before, found = self._frozen, dict.fromkeys(np.flatnonzero(flags).tolist(), np.nan) | self._frozen
         self._frozen = {k: raw[k] for k, x in found.items() if raw[k] == x or np.isnan(x)}
+        self._past.append((raw.copy(), {} if self.state is None else self.state.contacts))
+        # a reading that froze a moment ago looks like a slip, and support may have ended
+        recent = islice(reversed(self._past), round(KEEPS * self.coordinator.rate))
+        contacts = next((each for _, each in recent if each), dict[str, ContactKind]())
         if new := self._frozen.keys() - before.keys():  # until now soles seemed to slip
             self._slipped, self._memory.lost, self._memory.fell = {}, 0.0, False
             self.law = replace(self.law, ground_friction=self._grip)
-        wanted = self.commands[-1] if self.commands else None
-        if not self._frozen or wanted is None or self.state is None:
-            return reading, bool(self._frozen)
-        contacts = self.state.contacts
+            same = np.array([[x[k] == raw[k] for x, _ in reversed(self._past)] for k in new])
+            then, bore = self._past[-np.logical_and.accumulate(same, axis=1).sum(axis=1).max()]
+            kinds = {x: kind for x, kind in contacts.items() if x in bore and x in self.contacts.feet}
+            self._apart = kinds, self._between(then, kinds)[0]
+        if not self._frozen:
+            return reading, False
         # a flat sole is parallel to the ground, turns · q + pitch = lean
         flat = [x for x, kind in contacts.items() if kind == "flat" and self.law.model.places[x][1] > 0.0]
-        A = np.reshape([np.append(turns[x], 1.0) for x in flat], (-1, n + 1))
+        level = np.reshape([np.append(turns[x], 1.0) for x in flat], (-1, n + 1))
         aloft = [k for k in self._frozen if k < n and not any(turns[x][k] for x in contacts)]
         lost, rates = [k for k in self._frozen if k not in aloft], np.append(reading.v, reading.pitch_rate)
-        if np.linalg.matrix_rank(A[:, lost]) < len(lost):
-            return reading, True
         # a joint in the air moves about as the law wants
-        self._plan[1, aloft] += wanted.acceleration[BASE:][aloft] / self.coordinator.rate
+        wanted = self.commands[-1] if self.commands else None
+        if wanted is not None:
+            self._plan[1, aloft] += wanted.acceleration[BASE:][aloft] / self.coordinator.rate
         self._plan[0, aloft] += self._plan[1, aloft] / self.coordinator.rate
         raw[aloft], rates[aloft] = self._plan[:, aloft]
-        raw[lost] -= np.linalg.lstsq(A[:, lost], A @ raw - self.lean)[0]
+        kinds, apart = self._apart
+        closes = np.linalg.matrix_rank(level[:, lost], TOLD) < len(lost) and kinds.keys() <= contacts.keys()
+        for _ in range(3 if closes else 1):  # Newton's method
+            A, error = level, level @ raw - self.lean
+            if closes:  # soles that bear since before the reading froze keep their places beside each other
+                places, J = self._between(raw, kinds)
+                A, error = np.vstack([level, J]), np.append(error, places - apart)
+            if np.linalg.matrix_rank(A[:, lost], TOLD) < len(lost):
+                return reading, True
+            raw[lost] -= np.linalg.lstsq(A[:, lost], error)[0]
         rates[lost] -= np.linalg.lstsq(A[:, lost], A @ rates)[0]
         if new:  # until now the filter saw no motion
             spin = -(rates[-1] - reading.pitch_rate) * self.law.model.leg.plane.lateral
             self.contacts.amend(self._told, np.append(raw[:-1] - reading.q, spin))
         return reading._replace(q=raw[:-1], v=rates[:-1], pitch=float(raw[-1]), pitch_rate=float(rates[-1])), False
+
+    def _between(self, x: FloatArray, kinds: Mapping[str, ContactKind]) -> tuple[FloatArray, FloatArray]:
+        """Places of soles beside the first one [m], along and across the ground, and their derivative by x."""
+        model, pose = self.law.model, (x[:-1], 0.0 * x[:-1], float(x[-1]), 0.0)
+        model.dynamics(*pose)
+        # any point of a flat sole is at rest, such as its toe
+        ends = [model.contact(y, "toe" if kinds[y] == "flat" else kinds[y], pose, (1.0, 0.0, self.lean)) for y in kinds]
+        J = [np.roll(end.J[:, BASE - 1 :] - ends[0].J[:, BASE - 1 :], -1, axis=1) for end in ends[1:]]
+        return np.ravel([end.place - ends[0].place for end in ends[1:]]), np.reshape(J, (-1, len(x)))
 
     def _tell(self, reading: GroundReading) -> None:
         """Feed the filter, in whole blocks, with the torque that acted until now."""

@@ -35,6 +35,7 @@ class ContactRows(NamedTuple):
     J: FloatArray  # (c, 3 + n), c = 3 for a flat sole, 2 for a point
     drift: FloatArray  # acceleration at dnu = 0, (c,)
     cone: FloatArray  # friction cone and edges of the sole, (k, c)
+    place: FloatArray  # place of a point along and across the ground, of a flat sole along its axes [m], (2,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,12 +159,17 @@ class GroundModel(ControlModel):
         J = pin.getFrameJacobian(self.pinocchio, self._data, frame, local)[[0, 2, 4]] @ self._base
         drift = pin.getFrameClassicalAcceleration(self.pinocchio, self._data, frame, local).vector[[0, 2, 4]]
         J[2], drift[2] = -J[2], -drift[2]  # pitch is positive about −lateral
+        at = pin.updateFramePlacement(self.pinocchio, self._data, frame)
+        place = (at.rotation.T @ at.translation)[[0, 2]]
         if kind == "flat" and half > 0.0:
             reach = max(half - margin, 0.0)
             edges = [(1.0, -friction, 0.0), (-1.0, -friction, 0.0), (0.0, -reach, 1.0), (0.0, -reach, -1.0)]
-            return ContactRows(J, drift, np.array(edges))
+            return ContactRows(J, drift, np.array(edges), place)
         arm = {"heel": -half, "toe": half, "flat": 0.0}[kind]
         turning, tilt = pitch_rate + self.turns[link] @ v, pitch + self.turns[link] @ q - lean
         J, drift = np.array([J[0], J[1] + arm * J[2]]), drift[:2] - np.array([arm * turning**2, 0.0])
-        turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
-        return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]))
+        turn, place = (
+            np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]]),
+            place + arm * np.eye(2)[0],
+        )
+        return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]), turn @ place)

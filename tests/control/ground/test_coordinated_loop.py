@@ -12,7 +12,7 @@ from coordinated_runs import RATES, SENSORS, loop_of, run_of
 
 from exoid import ExoidError
 from exoid.control.functions import FUNCTIONS, SIDES, Body, joint_angles
-from exoid.control.ground import SAFE, CoordinatedLoop, Coordinator, Rule
+from exoid.control.ground import SAFE, CoordinatedLoop, Coordinator, GroundState, Rule
 from exoid.control.ground.coordinator import RISES
 from exoid.experiments import ground
 from exoid.experiments.ground.stance import HAND_RAIL
@@ -102,6 +102,29 @@ def test_a_slide_with_hardly_any_force_along_the_ground_does_not_make_it_slipper
     run_of(machine, loop, "stand", 0.0, 0.5, HEALTHY)
     assert max(loop._slipped.values()) > 0.004
     assert loop.law.ground_friction == 0.6
+
+
+@pytest.mark.parametrize("apart", [0.3, 0.05])
+def test_soles_that_keep_their_places_tell_a_reading_that_froze(machine, apart):
+    """The hip sinks over two toes; only soles that are not side by side tell a pitch."""
+    body, t = Body.of(machine.leg, machine.soles), np.arange(0.0, 0.3, 0.01)
+    hip, pitch = 0.1 * t + 1j * (0.85 - t**2), 0.2 * np.sin(5.0 * t)
+    flexion = np.stack([body.reach(hip, pitch, 0j * t + x, 0.0) for x in (0.5 * apart, -0.5 * apart)], axis=1)
+    truth = np.column_stack([joint_angles(machine.leg, flexion), pitch])
+    speed, n = np.gradient(truth, t, axis=0), truth.shape[1] - 1
+    for frozen in range(n + 1):
+        loop = loop_of(machine, {})
+        loop.state = GroundState(truth[0, :-1], truth[0, :-1], 0.0, 0.0, dict.fromkeys(BLEEX_SOLES, "toe"))
+        for k, (x, v) in enumerate(zip(truth[:-1].copy(), speed.copy(), strict=False)):
+            if k > 20:
+                x[frozen], v[frozen] = truth[20, frozen], 0.0
+            loop._told.frozen = (k > 25) & (np.arange(2 * n + 1) == (frozen if frozen < n else 2 * n))
+            reading = GroundReading(t[k], x[:-1], v[:-1], x[-1], v[-1], {}, np.zeros(3), np.zeros(3), np.zeros(n))
+            mended, blind = loop._mend(reading)
+        assert blind == (frozen == n and apart < 0.1)
+        if not blind:
+            np.testing.assert_allclose([*mended.q, mended.pitch], truth[k], atol=1e-9)
+            np.testing.assert_allclose([*mended.v, mended.pitch_rate], speed[k], atol=1e-2)
 
 
 @pytest.mark.slow
