@@ -1,6 +1,7 @@
 """Are machines with closed loops identified? A four-bar knee and an ankle on two rods in MuJoCo; see docs/loops.md.
 
-    python scripts/study_loops.py --seeds 8      # seeds from 1000, about a minute on one core
+    python scripts/study_loops.py --seeds 8      # seeds from 1000, about 7 minutes on one core
+    python scripts/study_loops.py --first 1007 --noises 40   # one machine with other noise
 
 Each seed draws other proportions and masses. MuJoCo closes the loops by `connect`, and knows nothing of exoid's
 elimination. Only the motors are logged: angle (17 bits) and torque (noise of 1 % of its root mean square). Training:
@@ -44,8 +45,8 @@ def world(machine: Machine) -> mujoco.MjModel:
     return spec.compile()
 
 
-def record(machine: Machine, leg: exoid.Leg, rng: np.random.Generator) -> exoid.Recording:
-    """Log a random motion in MuJoCo."""
+def record(machine: Machine, leg: exoid.Leg, rng: np.random.Generator, noise: float = NOISE) -> exoid.Recording:
+    """Log a random motion in MuJoCo, with noise on the torques over their root mean square."""
     model = world(machine)
     data = mujoco.MjData(model)
     at = [model.joint(name).qposadr[0] for name in machine.joints]
@@ -68,11 +69,35 @@ def record(machine: Machine, leg: exoid.Leg, rng: np.random.Generator) -> exoid.
             rows.append(np.r_[data.qpos[at], data.ctrl])
         mujoco.mj_step(model, data)
     q, tau = np.split(np.array(rows), 2, axis=1)
-    noise = NOISE * np.sqrt(np.mean(tau**2, axis=0))
-    tau = tau + noise * rng.standard_normal(tau.shape)
+    tau = noisy(tau, rng, noise)
     times = np.arange(len(q)) / RATE
     read = np.round(q / ENCODER) * ENCODER
     return exoid.Recording(time=times, q=read, tau=tau, joint_names=machine.joints)
+
+
+def noisy(tau: np.ndarray, rng: np.random.Generator, noise: float = NOISE) -> np.ndarray:
+    """Add noise to torques."""
+    return tau + noise * np.sqrt(np.mean(tau**2, axis=0)) * rng.standard_normal(tau.shape)
+
+
+def again(name: str, seed: int, folder: Path, count: int) -> dict[str, np.ndarray]:
+    """Identify one machine from the same motions with other noises, and without noise."""
+    machine, rng, found = MACHINES[name](seed), np.random.default_rng(seed), []
+    leg = machine.leg(folder)
+    clean = [record(machine, leg, rng, 0.0) for _ in range(2)]
+    truth = np.array([*leg.parameters, *[DAMPING] * 2])
+    exact = exoid.identify(leg, clean, terms=[exoid.Viscous()], check=False).values - truth
+    for draw in range(count):
+        rng = np.random.default_rng([seed, draw])
+        logs = [replace(log, tau=noisy(log.tau, rng)) for log in clean]
+        estimate = exoid.identify(leg, logs, terms=[exoid.Viscous()], check=False)
+        low, high = estimate.interval(0.95).T
+        sizes, axes = np.linalg.eigh(estimate.covariance / np.multiply.outer(estimate.std, estimate.std))
+        along = (estimate.values - truth) / estimate.std @ axes[:, -1] / np.sqrt(sizes[-1])
+        found.append([((low <= truth) & (truth <= high)).sum(), sizes[-1], along, np.abs(exact / estimate.std).max()])
+    return dict(zip(("inside", "axis", "along", "exact"), np.array(found).T, strict=True)) | {
+        "count": np.array(len(truth))
+    }
 
 
 def measure(name: str, seed: int, folder: Path) -> dict[str, float]:
@@ -179,9 +204,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--first", type=int, default=1000)
+    parser.add_argument("--noises", type=int, default=0, help="identify the first machine again, with so many noises")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        for name in MACHINES:
+        for name in MACHINES if arguments.noises else ():
+            one = again(name, arguments.first, Path(folder), arguments.noises)
+            size, inside = int(one["count"]), one["inside"]
+            print(f"{name}, seed {arguments.first} with {arguments.noises} noises")
+            print(f"  truth within 95 % intervals                  {inside.mean() / size:.1%}")
+            print(f"  noises with under half of {size} inside         {(2 * inside < size).sum()}")
+            print(f"  widest axis of the correlations, of {size}      {one['axis'].mean():.1f}")
+            print(f"  error along it, RMS [standard deviations]    {np.sqrt(np.mean(one['along'] ** 2)):.2f}")
+            print(f"  largest error without noise [likewise]       {one['exact'].max():.2f}", flush=True)
+        for name in () if arguments.noises else MACHINES:
             found = []
             for seed in range(arguments.first, arguments.first + arguments.seeds):
                 found.append(measure(name, seed, Path(folder)))

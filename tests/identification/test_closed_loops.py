@@ -1,6 +1,8 @@
 """Closed legs through the whole way: identify, check, save, export, command line, controllers, scenes."""
 
+import importlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,6 +65,15 @@ def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
     np.testing.assert_allclose(
         found, estimate.leg.inverse_dynamics(q, v, a), rtol=1e-3, atol=1e-3 * np.abs(found).max()
     )
+
+
+@pytest.mark.nightly
+def test_most_intervals_of_a_machine_hold_or_miss_together_by_chance_and_not_by_a_bias(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "scripts"))
+    found = importlib.import_module("study_loops").again("four-bar knee", 900, tmp_path, 12)
+    assert found["axis"].min() > 6.0  # of 13
+    assert found["exact"].max() < 0.5
+    assert 0.5 < np.sqrt(np.mean(found["along"] ** 2)) < 1.5
 
 
 def test_controllers_take_the_driven_joints_only(leg):
