@@ -145,30 +145,33 @@ def stretch_forces(
     leg, recording, preparation = estimate.model.leg, stretch.recording, estimate.preparation
     rate, mask, rng = recording.sample_rate, recording.mask, np.random.default_rng(0)
     assert mask is not None
-    cutoffs = list[float]()  # from the highest
+    cutoffs, choices, step = list[float](), 1, 1.0  # from the highest; those to choose from; octaves between them
     if isinstance(preparation, ZeroPhase):
         of_angles = preparation.kinematics_cutoff_at(rate)
         octaves = np.log2(of_angles / preparation.cutoff) if ground else 0.0  # noise has to be known to choose by it
-        cutoffs = [preparation.cutoff * 2.0**k for k in np.linspace(octaves, 0.0, math.ceil(octaves) + 1)]
+        choices = math.ceil(octaves) + 1
+        step = octaves / max(1, choices - 1) or 1.0
+        cutoffs = [preparation.cutoff * 2.0 ** (octaves - step * k) for k in range(max(choices, 3))]
         preparation = ZeroPhase(cutoffs[0], of_angles)
     passed = _solution(estimate, stretch, feet, preparation)
     noisier = _noisier(leg, ground, recording, rng) if ground else ()
     again = [_solution(estimate, stretch._replace(recording=each), feet, preparation) for each in noisier]
     levels, taken = [passed._replace(noise=np.array([each.wrench - passed.wrench for each in again]))], []
-    for cutoff in cutoffs:
+    for cutoff in cutoffs[1:]:
         levels.append(levels[-1].through(ParallelFilter(rate, cutoff), mask))
         taken.append(levels[-2].without(levels[-1], round(rate / cutoff)))
     # What passes one cut-off and not the next is lost there. A touch-down is a step, whose power falls with frequency:
-    # what seems more than in the octave below is noise. Beyond the highest cut-off F the force alone tells what is
-    # lost: f − F f ≈ F f − F F f (Tukey's twicing); at the cut-off that is half of the power.
-    most = np.inf
-    for k in reversed(range(len(taken))):
-        power = np.maximum(taken[k].mean(axis=0), np.finfo(np.float64).tiny)
-        most = np.minimum(most, power)
-        taken[k] *= most / power
-    lost = 2.0 * taken[0] if taken else 0.0
+    # what seems more than in the octave below is noise. Beyond the highest cut-off power goes on to fall from octave to
+    # octave by the share r by which it fell last, and no slower than that of a step: r + r² + … of the last is lost.
+    lost = np.zeros_like(passed.wrench)
+    if taken:
+        powers = np.maximum([each.mean(axis=0) for each in taken], np.finfo(np.float64).tiny)
+        falling = np.minimum.accumulate(powers[::-1])[::-1]
+        taken = list(np.array(taken) * (falling / powers)[:, np.newaxis])
+        share = np.minimum(falling[0] / falling[1], 2.0**-step)
+        lost = taken[0] * share / (1.0 - share)
     best, least = passed.wrench, levels[0].variance + lost
-    for level, more in zip(levels[2:], taken[1:], strict=True):  # each component passes up to where it is known best
+    for level, more in zip(levels[1:choices], taken, strict=False):  # each component up to where it is known best
         lost = lost + more
         variance = level.variance + lost
         better = variance.mean(axis=0) < least.mean(axis=0)

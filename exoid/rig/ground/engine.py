@@ -127,6 +127,11 @@ class Engine:
             place[rows] = contact.pos[own]
         return force, place
 
+    def ground(self) -> tuple[FloatArray, FloatArray]:
+        """Read moment and force on each link with a sole in the step, (F, 6), and the point of the moments, (3,)."""
+        self._mujoco.mj_rnePostConstraint(self.model, self.data)
+        return self.data.cfrc_ext[self._bodies[1:]], self.data.subtree_com[1].copy()
+
     def turn_to(self, target: FloatArray) -> FloatArray:
         """Find the rotation from the root link to another orientation."""
         own, inverse, out = self.data.xquat[1], np.zeros(4), np.zeros(3)

@@ -143,6 +143,9 @@ class GroundRun:
         if root in read:
             force, moment = np.hsplit(self.steps.read(self.steps.hold, sensors.window), 2)
             read[root] = Wrench(force, moment, read[root].point)
+        for link, foot in self.feet.items():
+            force, moment = np.hsplit(self.steps.read(self.steps.ground[link], sensors.window), 2)
+            read[link] = replace(foot, force=force, moment=moment - np.cross(foot.position, force)).wrench
         behind = replace(self, wrenches=read)
         for link in logged:
             true = behind.wrench(link, world=world)

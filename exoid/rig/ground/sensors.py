@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
@@ -27,6 +28,7 @@ class Steps:
     base: BaseKinematics  # motion of the root link at M steps; its velocity is that of half a step before
     torque: FloatArray  # torques of the actuators [N·m], (M, n)
     hold: FloatArray  # force and moment of what holds the torso, in its axes [N, N·m], (M, 6)
+    ground: Mapping[str, FloatArray]  # force and moment on each foot about the laboratory's origin [N, N·m], (M, 6)
     samples: NDArray[np.intp]  # step of each sample of the log, (N,)
     dt: float  # step [s]
 
@@ -66,8 +68,8 @@ class GroundSensors:
         acceleration_noise: Noise of the accelerometer [m/s²].
         gyro_bias: Standard deviation of the constant bias of each axis of the gyroscope [rad/s], drawn for each log.
         acceleration_bias: The same of the accelerometer [m/s²].
-        window: Time over which IMU, torque sensors and the load cell of what holds the torso take means [s], as their
-            low-pass does; 2 ms is a bandwidth of 220 Hz. Zero reads one step of the simulation.
+        window: Time over which IMU, torque sensors, force plates, soles and the load cell of what holds the torso take
+            means [s], as their low-pass does; 2 ms is a bandwidth of 220 Hz. Zero reads one step of the simulation.
         imu_position: Place of the IMU in the axes of the root link [m], (3,), which the log states.
         imu_misalignment: Rotation vector of a mounting of the IMU that the log does not state [rad], (3,).
         position_noise: Noise of each coordinate of motion capture [m].

@@ -105,7 +105,7 @@ def simulate_on_ground(
 
 
 class _Books:
-    """States and forces of a run: the motion of every step for the IMU, all else of the samples of the log."""
+    """States and forces of a run: what sensors with a low-pass read at every step, all else of the log's samples."""
 
     def __init__(self, engine: Engine, holder: Holder | None) -> None:
         self._engine, self._holder = engine, holder
@@ -124,12 +124,12 @@ class _Books:
             self._logged.append(len(self._steps))
             moved = q, rate, engine.acceleration.copy(), muscles
             self._samples.append((*moved, *engine.placements(), *engine.loads()))
-        self._steps.append((between, engine.acceleration[:b].copy(), turn, torque, hold))
+        self._steps.append((between, engine.acceleration[:b].copy(), turn, torque, hold, *engine.ground()))
 
     def run(self, dt: float) -> GroundRun:
         """Return samples, and motion of the root link at every step."""
         engine, plant, b = self._engine, self._engine.plant, self._engine.base
-        between, change, turn, torque, hold = (np.array(x) for x in zip(*self._steps, strict=True))
+        between, change, turn, torque, hold, ground, about = (np.array(x) for x in zip(*self._steps, strict=True))
         kept = np.array(self._logged)
         q, rate, acceleration, muscles, position, rotation, twist, force, place = (
             np.array(x) for x in zip(*self._samples, strict=True)
@@ -138,6 +138,9 @@ class _Books:
             link: _footing(position[:, i], rotation[:, i], twist[:, i], force[:, own], place[:, own])
             for i, (link, own) in enumerate(engine.spheres.items(), start=1)
         }
+        moment, force = np.split(ground, 2, axis=2)
+        plates = np.concatenate([force, moment + np.cross(about[:, None], force)], axis=2)
+        of_feet = dict(zip(feet, plates.transpose(1, 0, 2), strict=True))
         wrenches = {link: foot.wrench for link, foot in feet.items()}
         if self._holder is not None:
             point = np.array(self._holder.spring.point)
@@ -154,7 +157,7 @@ class _Books:
             rotation[:, 0],
             wrenches,
             feet,
-            Steps(_base_kinematics(plant, between, change, turn), torque, hold, kept, dt),
+            Steps(_base_kinematics(plant, between, change, turn), torque, hold, of_feet, kept, dt),
             muscles,
         )
 
