@@ -70,6 +70,13 @@ def test_equal_parameters_are_rarely_said_to_differ_and_different_ones_nearly_al
     found = np.mean([len(unequal & set(t.equal.below(0.05))) / len(unequal) for t in replicates])
     alarms = np.mean([bool(t.agreement.below(0.01)) for t in replicates])
     print(f"equal said to differ {false:.3f}; different found {found:.3f}; shared doubted {alarms:.3f}")
+    compared = [t.compare("left", "right") for t in replicates]
+    chosen = [compared[0].names.index(name) for name in sorted(equal)]
+    p_values = np.array([each.p_values for each in compared])[:, chosen]
+    below = {level: float(np.mean(p_values < level)) for level in (0.05, 0.25, 0.50, 0.75)}
+    wide = np.mean([each.std for each in compared], axis=0) / np.std([each.difference for each in compared], axis=0)
+    print("p-values", {k: round(x, 3) for k, x in below.items()}, "std / scatter", wide[chosen].round(3), sorted(equal))
+    assert below[0.05] < 0.08
     assert false < 0.10
     assert found > 0.9
     assert alarms < 0.05

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import scipy
 
-from exoid import ExoidError, load_leg, signals
+from exoid import ExoidError, load_leg
 from exoid.experiments.ground import bleex_machine, single_support, walking
 from exoid.rig.ground import GroundSensors
-from exoid.signals import ZeroPhase
+from exoid.signals import ZeroPhase, wrenches_on_links
+from exoid.signals.moving_base import base_during
 
 pytestmark = pytest.mark.slow
 
@@ -69,11 +70,22 @@ def test_the_rows_of_a_swing_are_those_of_the_truth_behind_an_imu_that_takes_mea
     def error(window: float) -> float:
         log = walk.recording(replace(GroundSensors.exact(), window=window)).select(leg.joint_names)
         q, v, a, _ = preparation.kinematics(log)
-        off = leg.regressor(q, v, a, signals.moving_base.base_during(log, preparation)) @ leg.parameters - exact
+        off = leg.regressor(q, v, a, base_during(log, preparation)) @ leg.parameters - exact
         kept = preparation.filter(np.where(away[:, np.newaxis], off, 0.0), 500.0)[away]
         return float(np.sqrt(np.mean(kept**2)))
 
     assert error(0.002) < 0.3 * error(0.0)
+
+
+def test_plates_read_means_whose_impulse_is_that_of_the_ground(walk):
+    """Single steps alias the jolts of heel and toe: sums of means over the period of the log are those of all steps."""
+    sensors = replace(GroundSensors.exact(wrench_axes="world"), window=0.002)
+    for link in walk.feet:
+        every, read = walk.steps.ground[link][:, 2], walk.recording(sensors).wrenches[link].force[:, 2]
+        alone = walk.wrench(link, world=True).force[:, 2]
+        impulse = every.sum() * walk.steps.dt
+        assert read.sum() * 0.002 == pytest.approx(impulse, rel=1e-3)
+        assert np.abs(read - alone).max() > 100.0
 
 
 def test_plates_in_the_laboratory_and_soles_on_the_foot_measure_one_wrench(walk):
@@ -91,7 +103,7 @@ def test_plates_in_the_laboratory_and_soles_on_the_foot_measure_one_wrench(walk)
         arm = np.einsum("nij,ni->nj", foot.rotation, foot.centre_of_pressure - foot.position)[loaded]
         assert arm[:, 0].min() > -0.085
         assert arm[:, 0].max() < 0.135
-    on_links = signals.wrenches_on_links(walk.plant.leg, log)
+    on_links = wrenches_on_links(walk.plant.leg, log)
     for link, own in walk.wrenches.items():
         np.testing.assert_allclose(on_links[link].force, own.force, rtol=0, atol=1e-6)
         np.testing.assert_allclose(on_links[link].moment, own.about((0.0, 0.0, 0.0)).moment, rtol=0, atol=1e-6)

@@ -190,7 +190,7 @@ class Reader:
 
     def feel(self, muscles: FloatArray) -> None:
         """Note the forces at the end of a step, those of the ground and of the wearer; MuJoCo has them only then."""
-        self._force, self._muscles = self._engine.loads()[0][:, 2], muscles
+        self._force, self._muscles = self._engine.loads(), muscles
 
     def _accelerometer(self) -> FloatArray:
         """Specific force at the origin of the root link, in its axes."""

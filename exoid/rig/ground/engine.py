@@ -110,22 +110,19 @@ class Engine:
         self._mujoco.mj_applyFT(self.model, self.data, force, moment, point, 1, out)
         return out
 
-    def loads(self) -> tuple[FloatArray, FloatArray]:
-        """Read the contact forces of the step."""
-        contact, count = self.data.contact, sum(len(sole.points) for sole in self.plant.soles.values())
-        force, place = np.zeros((2, count, 3))
+    def loads(self) -> FloatArray:
+        """Read the vertical force on each point of the soles in the step, (K,)."""
+        contact = self.data.contact
+        force = np.zeros(sum(len(sole.points) for sole in self.plant.soles.values()))
         own = contact.efc_address >= 0
         if own.any():
             local = self.data.efc_force[contact.efc_address[own][:, None] + np.arange(3)]
             pairs = self._numbers[contact.geom[own]]
             # of two geometries the one whose kind comes first in MuJoCo is the first: the ground, but not a block
             signs = np.where(pairs[:, 1] >= 0, 1.0, -1.0)
-            rows = pairs.max(axis=1)
-            np.add.at(
-                force, rows, signs[:, None] * np.einsum("kj,kji->ki", local, contact.frame[own].reshape(-1, 3, 3))
-            )
-            place[rows] = contact.pos[own]
-        return force, place
+            up = contact.frame[own].reshape(-1, 3, 3)[:, :, 2]
+            np.add.at(force, pairs.max(axis=1), signs * np.einsum("kj,kj->k", local, up))
+        return force
 
     def ground(self) -> tuple[FloatArray, FloatArray]:
         """Read moment and force on each link with a sole in the step, (F, 6), and the point of the moments, (3,)."""

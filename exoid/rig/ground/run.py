@@ -51,6 +51,12 @@ class Footing:
         return np.column_stack([self.position[:, 0] + x, self.position[:, 1] + y, np.where(np.isnan(x), np.nan, 0.0)])
 
 
+def about_link(wrench: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Force, and moment about a place, of wrenches about the laboratory's origin, (N, 6)."""
+    force, moment = np.hsplit(wrench, 2)
+    return force, moment - np.cross(position, force)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class GroundRun:
     """Truth about a machine on the ground at N samples; its log is :meth:`recording`.
@@ -144,8 +150,8 @@ class GroundRun:
             force, moment = np.hsplit(self.steps.read(self.steps.hold, sensors.window), 2)
             read[root] = Wrench(force, moment, read[root].point)
         for link, foot in self.feet.items():
-            force, moment = np.hsplit(self.steps.read(self.steps.ground[link], sensors.window), 2)
-            read[link] = replace(foot, force=force, moment=moment - np.cross(foot.position, force)).wrench
+            force, moment = about_link(self.steps.read(self.steps.ground[link], sensors.window), foot.position)
+            read[link] = replace(foot, force=force, moment=moment).wrench
         behind = replace(self, wrenches=read)
         for link in logged:
             true = behind.wrench(link, world=world)

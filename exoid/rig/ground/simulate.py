@@ -17,7 +17,7 @@ from .control import Faults, GroundController, GroundWearer, Reader, gains_about
 from .engine import Engine, Holder
 from .motion import GroundMotion, JointGains, Spring
 from .plant import GroundPlant
-from .run import Footing, GroundRun
+from .run import Footing, GroundRun, about_link
 from .sensors import GroundSensors, Steps
 
 RATES = Rates(control=2000.0, log=500.0, step=5e-4)
@@ -123,7 +123,7 @@ class _Books:
         if logs:
             self._logged.append(len(self._steps))
             moved = q, rate, engine.acceleration.copy(), muscles
-            self._samples.append((*moved, *engine.placements(), *engine.loads()))
+            self._samples.append((*moved, *engine.placements(), engine.loads()))
         self._steps.append((between, engine.acceleration[:b].copy(), turn, torque, hold, *engine.ground()))
 
     def run(self, dt: float) -> GroundRun:
@@ -131,16 +131,16 @@ class _Books:
         engine, plant, b = self._engine, self._engine.plant, self._engine.base
         between, change, turn, torque, hold, ground, about = (np.array(x) for x in zip(*self._steps, strict=True))
         kept = np.array(self._logged)
-        q, rate, acceleration, muscles, position, rotation, twist, force, place = (
+        q, rate, acceleration, muscles, position, rotation, twist, loads = (
             np.array(x) for x in zip(*self._samples, strict=True)
         )
+        moment, force = np.split(ground.transpose(1, 0, 2), 2, axis=2)
+        wrench = np.concatenate([force, moment + np.cross(about, force)], axis=2)
+        of_feet = dict(zip(engine.spheres, wrench, strict=True))
         feet = {
-            link: _footing(position[:, i], rotation[:, i], twist[:, i], force[:, own], place[:, own])
+            link: _footing(position[:, i], rotation[:, i], twist[:, i], of_feet[link][kept], loads[:, own])
             for i, (link, own) in enumerate(engine.spheres.items(), start=1)
         }
-        moment, force = np.split(ground, 2, axis=2)
-        plates = np.concatenate([force, moment + np.cross(about[:, None], force)], axis=2)
-        of_feet = dict(zip(feet, plates.transpose(1, 0, 2), strict=True))
         wrenches = {link: foot.wrench for link, foot in feet.items()}
         if self._holder is not None:
             point = np.array(self._holder.spring.point)
@@ -174,12 +174,11 @@ def _base_kinematics(plant: GroundPlant, rate: FloatArray, change: FloatArray, t
 
 
 def _footing(
-    position: FloatArray, rotation: FloatArray, twist: FloatArray, forces: FloatArray, places: FloatArray
+    position: FloatArray, rotation: FloatArray, twist: FloatArray, wrench: FloatArray, loads: FloatArray
 ) -> Footing:
-    """Sum up the forces on the points of a sole, (N, K, 3) at places (N, K, 3)."""
-    force = forces.sum(axis=1)
-    moment = np.cross(places - position[:, None], forces).sum(axis=1)
-    points = np.count_nonzero(forces[..., 2] > 0.0, axis=1)
+    """Describe a foot by its wrench about the laboratory's origin, (N, 6), and what its points bear, (N, K)."""
+    force, moment = about_link(wrench, position)
+    points = np.count_nonzero(loads > 0.0, axis=1)
     foot = Footing(force, moment, position, rotation, points, np.zeros(len(force)))
     arm = foot.centre_of_pressure - position
     slip = np.nan_to_num(twist[:, 3:] + np.cross(twist[:, :3], arm))
