@@ -110,7 +110,7 @@ def gather(
         pairs = [(model, {one.name for one in model.dependent(moving_base=True)}) for model in models]
         apart = {one.name: None for model, names in pairs for one in model.regrouped if one.name not in names}
         problem = _remodelled(problem, own, tuple(apart))
-    if isinstance(preparation, str):
+    if isinstance(preparation, str | float | int):  # a number is no name either, and refused
         preparation = preparation_from_json({"name": preparation})
     groups = []
     for group in problem.groups:

@@ -44,8 +44,7 @@ class TorqueModel(RegressorModel):
         extras: Columns behind those of the parameters, such as faults of a log; a fit has none.
 
     Raises:
-        ExoidError: A parameter occurs twice, a joint is missing, or
-            ``regrouped`` is of other terms.
+        ExoidError: The leg is none, a parameter occurs twice, a joint is missing, or ``regrouped`` is of other terms.
 
     Example:
         >>> model = TorqueModel(exoid.load_leg("cuhk"), (Armature(), Viscous()))
@@ -64,6 +63,8 @@ class TorqueModel(RegressorModel):
 
     def __post_init__(self) -> None:
         """Check names, and find what is regrouped."""
+        if not isinstance(self.leg, Leg):
+            raise BadArgumentError(f"{self.leg!r} is no leg", remedy="pass exoid.load_leg(…) or exoid.Leg.from_urdf(…)")
         names = self.every_name
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:

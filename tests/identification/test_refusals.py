@@ -87,6 +87,8 @@ REFUSALS = {
     "an unknown estimator": (of(whole, TERMS, "median"), ExoidError, ()),
     "a term twice": (of(whole, (Viscous(), Viscous())), ExoidError, ()),
     "two settings of one term": (of(whole, (Coulomb(), Coulomb(smoothing=0.1))), ExoidError, ()),
+    "the name of a leg": (lambda s: exoid.identify("bleex", whole(s)), BAD, ()),
+    "a number for a preparation": (of(whole, preparation=8.0), BAD, ()),
     "no recordings": (of(lambda s: iter(())), BAD, ()),
     "a path for a recording": (of(lambda s: ["log.csv"]), BAD, ()),
     "the name of a term": (of(whole, "coulomb"), BAD, ()),
