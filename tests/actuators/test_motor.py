@@ -30,11 +30,6 @@ def test_the_command_is_the_inverse_of_the_torque_also_near_standstill() -> None
     np.testing.assert_allclose(motor.torque(current, np.zeros(100), v), torque, rtol=1e-12)
 
 
-def test_a_command_does_not_exceed_the_largest_current() -> None:
-    motor = Motor(0.07, ratio=50.0, max_current=10.0)
-    np.testing.assert_allclose(motor.command(np.array([70.0, -7.0]), np.zeros(2), np.zeros(2)), [10.0, -2.0])
-
-
 def _recording(**given: object) -> exoid.Recording:
     time = np.arange(200) / 100.0
     q = np.column_stack([np.sin(3.0 * time), np.cos(2.0 * time)])

@@ -5,7 +5,7 @@ import pytest
 
 import exoid
 from exoid.experiments import Bench, StaticProtocol, cuhk, run_static
-from exoid.experiments.bench import run_motion, stiff_servo
+from exoid.experiments.bench import stiff_servo
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, Rates, Sensors
 
 LEG = exoid.load_leg("cuhk")
@@ -36,12 +36,6 @@ def test_torque_depends_on_the_side_a_pose_is_reached_from(measured):
     assert (band < FRICTION + 0.02).all()
     np.testing.assert_allclose(band[:, 1], FRICTION[1], atol=0.05)
     assert (band[:, 0] > -0.1).all()  # the knee's reaction lets the hip creep back within its own band
-
-
-def test_a_motion_is_followed_and_logged(plant):
-    run = run_motion(plant, cuhk.swing(0), BENCH, 2.0, np.random.default_rng(0))
-    assert run.recording(0).joint_names == LEG.joint_names
-    assert np.abs(run.q - run.target).max() < 0.1
 
 
 @pytest.mark.parametrize("name", ["bleex", "cuhk"])

@@ -6,7 +6,7 @@ from rigs import BLEEX, EVERYTHING, Swing
 
 import exoid
 from exoid.experiments import Hold
-from exoid.rig import HydraulicServo, IdealTorque, Plant, ProportionalDerivative, Rates, Stepper, Target, simulate
+from exoid.rig import HydraulicServo, IdealTorque, Plant, ProportionalDerivative, Rates, Target, simulate
 
 pytestmark = pytest.mark.slow
 
@@ -22,15 +22,6 @@ def test_ideal_torque_is_the_command_up_to_its_limit():
     drive = IdealTorque(limit=5.0).drive(STATE, command, 1e-3)
     np.testing.assert_array_equal(drive.torque, [[1.0, -1.0], [5.0, -5.0], [0.0, 5.0]])
     np.testing.assert_array_equal(drive.damping, 0.0)
-
-
-def test_the_rotor_of_a_motor_slows_the_joint_down():
-    rigs = [Stepper(Plant.build(ANKLE, values), *np.zeros((2, 1, 1)), 1e-4) for values in ({}, {"Ia_ankle": 0.8})]
-    gravity = ANKLE.gravity(np.zeros((1, 1)))
-    for rig in rigs:
-        rig.step(gravity + 3.5, np.zeros((1, 1)))
-    J = ANKLE.parameters[2]
-    assert rigs[0].v[0, 0] / rigs[1].v[0, 0] == pytest.approx((J + 0.8) / J, rel=1e-9)
 
 
 def servo_run(leakage, duration, *, gain=KV, load=0.0, step=2.5e-4, amplitude=0.0):

@@ -61,18 +61,6 @@ def test_the_same_seed_gives_the_same_bytes_and_another_one_does_not():
     assert (one.tau_measured != other.tau_measured).mean() > 0.99
 
 
-@pytest.mark.slow
-def test_rigs_in_a_batch_behave_like_single_rigs():
-    plants = [Plant.build(BLEEX, {**FRICTION, "b1_knee": x, "Ia_hip": 0.1 * x}, pitch=0.1 * x) for x in range(5)]
-    together = run(Plant.concatenate(plants))
-    for k, plant in enumerate(plants):
-        alone = run(plant)
-        np.testing.assert_allclose(together.q[..., k], alone.q[..., 0], rtol=0, atol=1e-10)
-        np.testing.assert_allclose(together.tau[..., k], alone.tau[..., 0], rtol=0, atol=1e-6)
-        np.testing.assert_allclose(together.energy.work[k], alone.energy.work[0], rtol=1e-8)
-    assert np.abs(together.tau[..., 0] - together.tau[..., 4]).max() > 1.0
-
-
 def test_a_log_becomes_a_recording():
     done = run(Plant.build(BLEEX, FRICTION, pitch=0.2), sensors=NOISY)
     recording = done.recording(velocity=True)
