@@ -118,6 +118,8 @@ def test_soles_that_keep_their_places_tell_a_reading_that_froze(machine, apart):
         for k, (x, v) in enumerate(zip(truth[:-1].copy(), speed.copy(), strict=False)):
             if k > 20:
                 x[frozen], v[frozen] = truth[20, frozen], 0.0
+            if k > 22:  # soles seemed to slip, and support has ended
+                loop.state = loop.state._replace(contacts={})
             loop._told.frozen = (k > 25) & (np.arange(2 * n + 1) == (frozen if frozen < n else 2 * n))
             reading = GroundReading(t[k], x[:-1], v[:-1], x[-1], v[-1], {}, np.zeros(3), np.zeros(3), np.zeros(n))
             mended, blind = loop._mend(reading)

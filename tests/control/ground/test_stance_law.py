@@ -12,6 +12,7 @@ from made_estimates import made
 import exoid
 from exoid.control.functions import Body, joint_angles, minimum_jerk, rise
 from exoid.control.ground import GroundState, GroundTarget, stance
+from exoid.control.ground.qp import Rows, minimise, require_daqp
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.experiments import ground
 from exoid.leg.description import describe
@@ -140,6 +141,19 @@ def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
     best = np.linalg.solve(KKT, np.concatenate([size**2 * wanted, -rows.drift]))[:9]
     assert np.allclose(best, command.acceleration, atol=1e-3)  # apart from the weight of the effort
     assert M.shape == (9, 9)
+
+
+def test_rows_that_contradict_each_other_yield_as_in_the_solver_itself():
+    rng, sense = np.random.default_rng(0), np.repeat(np.array([0, 8], dtype=np.intc), 4)  # DAQP's hard and soft
+    for _ in range(20):
+        A, b, rows = rng.normal(size=(9, 4)), rng.normal(size=9), rng.normal(size=(3, 4))
+        hard = Rows(np.eye(4), -np.ones(4), np.ones(4))
+        soft = Rows(
+            np.vstack([rows, rows[:1]]), np.append(np.full(3, -np.inf), 0.5), np.append(np.full(3, 0.2), np.inf)
+        )
+        all_rows, lower, upper = (np.concatenate(each) for each in zip(hard, soft, strict=True))
+        expected = require_daqp().solve(A.T @ A, -A.T @ b, all_rows, upper, lower, sense)[0]
+        np.testing.assert_allclose(minimise(A, b, [hard, soft])[0], expected, atol=1e-9)
 
 
 def test_forces_stay_in_cone_and_sole_and_torque_within_limits(machine):
