@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from swings import harmonics
 from unchecked import identify
 
 import exoid
@@ -26,12 +27,8 @@ def motion(seconds=25.0):
     """Sines of both joints, logged at 200 Hz."""
     t = np.arange(0.0, seconds, 0.005)
     rates = 2.0 * np.pi * np.array([0.2, 0.5, 0.9, 1.3])
-    phases = np.arange(8.0).reshape(4, 2)
-    angle = rates[:, None, None] * t[:, None] + phases[:, None]
-    size = 0.25 / np.arange(1.0, 5.0)[:, None, None]
-    scaled = rates[:, None, None] * size
-    q = np.array([0.2, -0.6]) + (size * np.sin(angle)).sum(axis=0)
-    return t, q, (scaled * np.cos(angle)).sum(axis=0), -(rates[:, None, None] * scaled * np.sin(angle)).sum(axis=0)
+    q, v, a = harmonics(t, 0.25 / np.arange(1.0, 5.0), rates, np.arange(8.0).reshape(4, 2).T)
+    return t, q + np.array([0.2, -0.6]), v, a
 
 
 def pulled(seed, more=None, force=20.0):
