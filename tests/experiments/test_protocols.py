@@ -69,18 +69,15 @@ def test_row_1_takes_the_knee_every_5_degrees_from_10_at_one_difference():
     np.testing.assert_allclose(knee - hip, -10.0)
 
 
-@pytest.mark.parametrize(("row", "joint"), [(3, cuhk.HIP), (4, cuhk.KNEE), (5, cuhk.HIP)])
-def test_rows_3_to_5_swing_one_joint_by_40_plus_20_sin_and_hold_the_other_at_20(row, joint):
-    for t in np.linspace(0.0, 40.0, 17):
-        target = cuhk.swing(joint).at(t)
-        assert np.rad2deg(target.q[joint, 0]) == pytest.approx(40.0 + 20.0 * np.sin(0.1 * np.pi * t))
-        assert np.rad2deg(target.q[1 - joint, 0]) == pytest.approx(20.0)
-        assert target.v[1 - joint, 0] == 0.0
+PRINTED = [(cuhk.swing(0), [0], 0.1), (cuhk.swing(1), [1], 0.1), (cuhk.validation_motion(), [0, 1], 0.4)]
 
 
-def test_the_validation_motion_moves_both_joints_alike():
+@pytest.mark.parametrize(("motion", "moving", "rate"), PRINTED, ids=["rows 3 and 5", "row 4", "validation"])
+def test_joints_swing_by_40_plus_20_sin_or_are_held_at_20(motion, moving, rate):
     for t in np.linspace(0.0, 60.0, 31):
-        np.testing.assert_allclose(np.rad2deg(cuhk.validation_motion().at(t).q), 40.0 + 20.0 * np.sin(0.4 * np.pi * t))
+        target, swings = motion.at(t), 40.0 + 20.0 * np.sin(rate * np.pi * t)
+        np.testing.assert_allclose(np.rad2deg(target.q[:, 0]), np.where(np.isin([0, 1], moving), swings, 20.0))
+        assert not np.delete(target.v, moving).any()
 
 
 def test_the_multisine_keeps_its_limits_and_is_better_the_more_are_drawn():
