@@ -48,6 +48,7 @@ class Joint:
         spring: Stiffness between rotor and link [N·m/rad]; 0 if rigid.
         passive: Whether nothing drives it.
         slides: Whether it is prismatic, in m, N and kg.
+        limit: Largest torque of the drive [N·m].
     """
 
     name: str
@@ -58,6 +59,7 @@ class Joint:
     spring: float = 0.0
     passive: bool = False
     slides: bool = False
+    limit: float = np.inf
 
 
 @dataclass(frozen=True)

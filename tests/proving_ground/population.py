@@ -167,6 +167,14 @@ def elastic(machine: Machine, joint: int) -> Log:
     return replace(log, recording=replace(log.recording, q=turn * np.round(log.truth.rotor[0] / turn)))
 
 
+def beyond(machine: Machine, joint: int) -> Log:
+    """Log the commands of a machine of which the drive of a joint gives 85 % of what the motion needs."""
+    machine, joints = machine.with_sensing(torque="command"), [*machine.joints]
+    most = np.abs(simulate(machine, TRAINING).truth.drive[:, joint]).max()
+    joints[joint] = replace(joints[joint], limit=0.85 * float(most))
+    return simulate(replace(machine, joints=tuple(joints)), TRAINING)
+
+
 MISTAKES: dict[str, tuple[Spoil, str]] = {
     "sign of one torque": (column("tau", lambda x, _: -x), "torque-sign"),
     "one torque 40 ms late": (column("tau", late(0.04)), "torque-delay"),
@@ -180,6 +188,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
     ),
     "efforts without gravity": (lambda r, _: r, "gravity-compensated-effort"),
     "an elastic joint": (lambda r, _: r, "elastic-joint"),
+    "commands beyond the limit of a drive": (lambda r, _: r, "saturation"),
     "one torque 25 ms late": (column("tau", late(0.025)), "torque-delay"),
     "all torques 20 ms late": (
         lambda r, _: replace(r, tau=np.column_stack([late(0.02)(x, r) for x in r.tau.T])),
@@ -346,7 +355,7 @@ def judge(outcome: Outcome, findings: Iterable[exoid.Finding]) -> None:
 def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: str) -> None:
     """See whether a mistake at some driven joint is named with that joint, or for all where all have it."""
     (spoil, kind), count = MISTAKES[mistake], recording.n_joints
-    unseen = outcome.machine.floating and (kind in OF_MODEL or "angles" in mistake)
+    unseen = outcome.machine.floating and (kind in OF_MODEL or "angles" in mistake or "commands" in mistake)
     unseen |= (kind == "cross-talk" and not 1 < count <= 4) or (kind == "clock" and count < 3)
     unseen |= kind == "stale-samples" and recording.sample_rate < 100.0
     if unseen:
@@ -357,7 +366,8 @@ def _diagnose(outcome: Outcome, leg: exoid.Leg, recording: Recording, mistake: s
         return
     if kind == "gravity-compensated-effort":
         recording = without_gravity(outcome.machine, recording)
-    spoiled = elastic(outcome.machine, joint).recording if kind == "elastic-joint" else spoil(recording, joint)
+    machines = {"an elastic joint": elastic, "commands beyond the limit of a drive": beyond}
+    spoiled = machines[mistake](outcome.machine, joint).recording if mistake in machines else spoil(recording, joint)
     found = exoid.check(leg, spoiled)
     name = recording.joint_names[joint]
     labels = {name, leg.joint_labels[joint]}

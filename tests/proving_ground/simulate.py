@@ -126,7 +126,7 @@ def _run(machine: Machine, ref: tuple[Array, Array, Array], *, test: bool) -> Tr
     laws, rng = Laws([j.friction for j in joints]), np.random.default_rng([machine.seed, int(test), 7])
     inertia = np.array([j.rotor for j in joints])
     spring, elastic = np.array([j.spring for j in joints]), turns != dofs
-    driven = np.array([not j.passive for j in joints])
+    driven, limit = np.array([not j.passive for j in joints]), np.array([j.limit for j in joints])
     total = plant.inertias(q_ref[0])
     omega = rng.uniform(15.0, 30.0) * np.where(elastic.any(), 0.6, 1.0)
     kp, kd, ks = driven * total * omega**2, driven * total * 1.4 * omega, 0.1 * np.sqrt(spring * total)
@@ -158,7 +158,7 @@ def _run(machine: Machine, ref: tuple[Array, Array, Array], *, test: bool) -> Tr
         out[:, k] = q, v, a, turned, speed, swing, drive, friction, load, command
         if base is not None:
             bases[k, 13:19] = data.qacc[:6]
-        drive = drive + lag * (command - drive) * driven
+        drive = drive + lag * (np.clip(command, -limit, limit) - drive) * driven
         laws.slide(data.qpos[rotors] - turned)
     if not np.isfinite(out).all() or np.abs(out[0, :, driven]).max() > 20.0:
         raise RuntimeError(f"machine {machine.seed} is not stable")

@@ -47,10 +47,7 @@ def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
     for j, joint in enumerate(model.leg.joint_names):
         share = float(worst[j])
         if share > 0.01:
-            message = (
-                f"the base rotates out of the plane of the leg, which adds {100.0 * share:.2g} % to the torque "
-                f"of {joint} that X, Y and J do not describe"
-            )
+            message = f"the base leaves the plane of the leg: X, Y and J lack {share:.2%} of the torque of {joint}"
             remedy = 'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking'
             severity: Severity = "error" if share > 0.1 else "warning"
             doubtful, where = tuple(np.array(model.names)[model.acting[j]].tolist()), name if len(data) > 1 else ""
@@ -71,13 +68,8 @@ def gravity_size(fitted: FittedLeg) -> Iterator[Finding]:
         error = size - gravity
         if abs(error) <= 0.05 + 1.0 / one.duration:  # 0.05 m/s² move mass moments by 0.5 %; a base may gain 1 m/s
             continue
-        message = (
-            f"the accelerometer of the base reads {size:.4g} m/s² upwards on average, and not {gravity:g}: "
-            f"it is off, which changes mass moments by {100.0 * error / gravity:.2g} %"
-        )
-        remedy = (
-            "calibrate it (rest it on each side), or record when a foot is flat on the ground (contacts=), which "
-            "finds its bias"
-        )
+        moved = f"which changes mass moments by {100.0 * error / gravity:.2g} %"
+        message = f"the accelerometer of the base reads {size:.4g} m/s² upwards in the mean, not {gravity:g}, {moved}"
+        remedy = "calibrate it (rest it on each side), or find its bias with a foot flat on the ground (contacts=)"
         doubtful, where = fitted.model.leg.parameter_names, one.file_name
         yield Finding("gravity-size", "", error, "m/s²", "warning", message, remedy, None, doubtful, where)

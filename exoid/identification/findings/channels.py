@@ -173,11 +173,8 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         return
     share = float(np.mean((steps == 0.0) & counts)) / max(share_of, 0.1)
     if share >= least:
-        message = (
-            f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor "
-            f"answers (about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is "
-            "late by up to a sample of the sensor"
-        )
+        late = f"late by up to a sample of a sensor of about {(1.0 - share) * channel.rate:.3g} Hz"
+        message = f"{share:.1%} of the {channel.noun}s repeat the sample before: the {channel.noun} is {late}"
         remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
         yield Finding("stale-samples", channel.joint, share, "1", "warning", message, remedy)
 
@@ -199,10 +196,7 @@ def outliers(channel: Channel) -> Iterator[Finding]:
     odd &= deviation > 12.0 * quantum(x)
     if (odd & (x == 0.0)).sum() >= max(3, 0.002 * len(x)):
         share = float(np.mean((x == 0.0) & (np.abs(middle) > 0.0)))
-        message = (
-            f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: messages were lost and filled "
-            "with zeros"
-        )
+        message = f"the {channel.noun} drops to exactly 0 in {share:.1%} of the samples: lost messages became zeros"
         remedy = "remove these samples, or write NaN where there is no value and interpolate short gaps"
         yield Finding("dropout", channel.joint, share, "1", "error", message, remedy)
         odd &= x != 0.0

@@ -55,8 +55,9 @@ class NuisanceColumns:
     speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
     moving: bool = True  # whether samples are a motion in time; False for poses
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)  # of linear actuators, by the index of their joint
-    # frequencies at which links ring on springs [Hz], 0 for none, joint by joint, as the first block of samples shows
-    ringing: list[float] = field(default_factory=list)
+    # what the first block of samples shows of each joint: frequencies at which links ring on springs [Hz], 0 for none,
+    # and limits of drives [N·m]
+    seen: dict[str, FloatArray] = field(default_factory=dict)
     states: tuple[()] = ()  # the columns have no internal state
 
     @cached_property
@@ -71,7 +72,7 @@ class NuisanceColumns:
         torque = np.tensordot(self.values, columns[: len(self.values)], axes=1)
         torque += 0.0 if motion.payload is None else motion.payload.T
         measured = np.zeros_like(torque) if motion.measured is None else motion.measured.T
-        at = _Point(self, motion, torque, of_leg, measured)
+        at = _Point(self, motion, columns[: len(self.values)], torque, of_leg, measured)
         alike: dict[tuple[str, int], list[tuple[FloatArray, int]]] = {}
         for (kind, place, other), of_column in zip(self.columns, out, strict=True):
             alike.setdefault((kind, other), []).append((of_column, place))
@@ -87,6 +88,7 @@ class _Point:
 
     of: NuisanceColumns  # the columns
     motion: Motion  # angles, velocities and accelerations
+    W: FloatArray  # columns of the parameters, (P, n, N)
     torque: FloatArray  # predicted torque [N·m], (n, N)
     of_leg: FloatArray  # its rigid-body part [N·m], (n, N)
     measured: FloatArray  # measured torque, zero where there is none [N·m], (n, N)
@@ -148,7 +150,8 @@ def _smoothed(at: _Point, _: int) -> FloatArray:
     """What a low-pass without delay takes away from a torque; nothing of one whose noise it would have taken, too."""
     # noise of sensors is 0.1 % or more, and 0.02 % in means of 20 samples
     smooth = white_noise(at.measured.T) < 1e-4 * np.std(at.measured, axis=1) if at.of.moving else np.zeros(1)
-    return smooth[:, None] * (slow_part(at.torque.T, at.of.rate, 3.0).T - at.torque)
+    slow = slow_part(at.torque.T, at.of.rate, 3.0).T if smooth.any() else at.torque
+    return smooth[:, None] * (slow - at.torque)
 
 
 def _gravity(at: _Point, _: int) -> list[FloatArray]:
@@ -187,12 +190,13 @@ def _compliance(at: _Point, _: int) -> FloatArray:
 
 def _ringing(at: _Point, _: int) -> FloatArray:
     """The same near a resonance, J q̈_link + c q̇_link = k (q − q_link), where the residual looks like one."""
-    if at.of.moving and not at.of.ringing:
-        at.of.ringing.extend(_frequencies(at.of_leg, at.measured - at.torque, at.of.rate).tolist())
-    lag = np.zeros_like(at.of_leg)
-    for j in np.flatnonzero(at.of.ringing).tolist():
-        w, start = 2.0 * np.pi * at.of.ringing[j], at.of_leg[j, 0]
-        b, a = scipy.signal.bilinear([w**2], [1.0, 2.0 * DAMPING * w, w**2], at.of.rate)
+    if at.of.moving and "ringing" not in at.of.seen:
+        at.of.seen["ringing"] = _frequencies(at.of_leg, at.measured - at.torque, at.of.rate)
+    lag, ringing = np.zeros_like(at.of_leg), at.of.seen.get("ringing", ())
+    for j in np.flatnonzero(ringing).tolist():
+        w, start = 2.0 * np.pi * ringing[j], at.of_leg[j, 0]
+        poles = w * np.exp(np.array([1j, -1j]) * np.arccos(-DAMPING))
+        b, a = scipy.signal.zpk2tf(*scipy.signal.bilinear_zpk([], poles, w**2, at.of.rate))
         lag[j] = start + scipy.signal.lfilter(b, a, at.of_leg[j] - start)  # what is constant passes unchanged
     return _behind(at, lag)
 
@@ -209,6 +213,24 @@ def _frequencies(torque: FloatArray, residual: FloatArray, rate: float) -> Float
     return np.where(gain.max(axis=0) > 0.0, RINGING[gain.argmax(axis=0)], 0.0)
 
 
+def _beyond(at: _Point, _: int) -> FloatArray:
+    """What is logged beyond the limit of a drive, as a command may be."""
+    tau = at.measured * at.of.moving
+    if "limits" not in at.of.seen:
+        at.of.seen["limits"] = np.array([_limit(at.W[:, j].T, x) for j, x in enumerate(tau)])
+    return np.sign(tau) * np.maximum(np.abs(tau) - at.of.seen["limits"][:, None], 0.0)
+
+
+def _limit(W: FloatArray, tau: FloatArray) -> float:
+    """Limit of a torque beyond which leaving it out helps a fit of rows W most: some 1 000 rows tell."""
+    limits, rows = np.quantile(np.abs(tau), np.linspace(0.4, 0.99, 30)), slice(None, None, 1 + len(tau) // 1000)
+    Q, _ = np.linalg.qr(W[rows, W.any(axis=0)])
+    signals = np.vstack([tau[rows], np.sign(tau[rows]) * np.maximum(np.abs(tau[rows]) - limits[:, None], 0.0)])
+    left, *beyond = signals - signals @ Q @ Q.T
+    helps = [max(float(left @ x), 0.0) ** 2 / max(float(x @ x), TINY) for x in beyond]
+    return float(limits[np.argmax(helps)])
+
+
 def _play(at: _Point, _: int) -> FloatArray:
     """Change by 1 rad of play to each side, q_link = q − b sgn τ: the link rests on the side of its load."""
     # The load is what was measured less friction, which is in front of the gear: the model's has the jumps of the angle
@@ -219,7 +241,7 @@ def _play(at: _Point, _: int) -> FloatArray:
 
 def _behind(at: _Point, lag: FloatArray) -> FloatArray:
     """Change of the torque where links are behind their encoders by angles (n, N), and their motion by derivatives."""
-    if not at.of.moving:
+    if not at.of.moving or not lag.any():
         return -at.by_joints(lag)
     # cut at 4 standard deviations, the kernel of the second derivative would see a constant
     of, width = scipy.ndimage.gaussian_filter1d, FOLLOWED * at.of.rate
@@ -243,6 +265,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     # of rigid bodies: a curve of friction is friction of another form
     "gain |τ|": lambda at, _: np.abs(at.of_leg),
     "gain τ²": lambda at, _: at.of_leg**3 / np.maximum(np.mean(at.of_leg**2, axis=1, keepdims=True), TINY),
+    "beyond": _beyond,
     "smoothing": _smoothed,
     # rotor and friction of the joint, where its encoder may sit, are not in the slopes of rigid bodies
     "late angle": lambda at, _: (
@@ -276,7 +299,7 @@ COLUMNS: dict[str, Callable[[_Point, int], Sequence[FloatArray] | Mapping[int, F
     # falls off at a quarter of the RMS speed
     "friction Stribeck": lambda at, _: at.sign() * np.exp(-((4.0 * at.motion.v / at.of.speed.clip(1e-6)) ** 2)).T,
     "friction load": lambda at, _: at.sign() * np.abs(at.of_leg),
-    "friction t": lambda at, _: at.torque - at.of_leg,
+    "friction t": lambda at, _: np.tensordot(at.of.values * at.of.model.friction, at.W, axes=1),  # no rotor warms up
 }
 """Nuisance columns by what they are derivatives of: of every place, (N,) of one joint, or (n, N) in `OF_ALL_JOINTS`.
 The rows of a check multiply those that end in t by the time since the log began."""

@@ -128,10 +128,8 @@ def unsigned_torques(checked: CheckedFit) -> Iterator[Finding]:
         return
     for j, share in turned.items():
         if share > 0.02 and (share < 0.98 or better[j] > CLEARLY):
-            message = (
-                f"the torque is logged as a magnitude: by the model it is negative {share:.0%} of the time; "
-                f"residuals are {better[j]:.3g} times smaller with that sign"
-            )
+            ratio = f"residuals are {better[j]:.3g} times smaller with that sign"
+            message = f"the torque is logged as a magnitude: the model's is negative {share:.0%} of the time; {ratio}"
             remedy, joint = "log torque or current with its sign", model.leg.joint_names[j]
             names = tuple(np.array(model.names)[model.acting[j]].tolist())
             yield Finding("unsigned-torque", joint, share, "1", "error", message, remedy, parameters=names)

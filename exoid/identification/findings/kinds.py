@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -57,22 +58,12 @@ class Kind(NamedTuple):
         """Say what a fault is, with its value as reported and its coefficients."""
         millimetres = f"were {1e3 * x:.2g} mm elsewhere" if fault.unit == "m" else f"were off by {x:.2g} of the arm"
         moments = ", ".join(f"{x:.3g}" for x in np.round(delta[1:4], 4) + 0.0)
-        return self.text.format(
-            joint=fault.joint,
-            whose=f"the torque of {fault.joint}" if fault.joint else "the torque of all joints",
-            form=fault.form,
-            x=x,
-            milli=1e3 * abs(x),
-            percent=100.0 * x,
-            size=100.0 * abs(x),
-            degrees=f"{1e3 * x:.3g} mm" if fault.unit == "m" else f"{np.degrees(x):.3g}°",
-            unit=fault.unit,
-            largest=np.abs(delta).max(),
-            displaced=millimetres,
-            of="" if fault.unit == "1" else f" {fault.unit}",
-            sign=self.signs[int(x <= 0.0)],
-            load=f"{delta[0]:+.2g} kg with a moment of ({moments}) kg·m",
-        )
+        load = f"{delta[0]:+.2g} kg with a moment of ({moments}) kg·m"
+        degrees = f"{1e3 * x:.3g} mm" if fault.unit == "m" else f"{np.degrees(x):.3g}°"
+        texts = {"of": "" if fault.unit == "1" else f" {fault.unit}", "sign": self.signs[int(x <= 0.0)], "load": load}
+        texts |= {"whose": f"the torque of {fault.joint or 'all joints'}", "degrees": degrees, "displaced": millimetres}
+        numbers = {"x": x, "milli": 1e3 * abs(x), "percent": 100.0 * x, "size": 100.0 * abs(x)}
+        return self.text.format(**fault._asdict(), **numbers, **texts, largest=np.abs(delta).max())
 
 
 # An exact log shows faults that matter to nobody: the least sizes are set by hand (docs/checks.md lists them).
@@ -99,10 +90,14 @@ KINDS = {
         "the torque of {joint} has not one scale: it reads {percent:+.2g} % {form}",
         "calibrate sensor or motor over the whole range, in both directions: large currents saturate a motor",
     ),
+    "saturation": Kind(
+        0.75,
+        "{percent:.0f} % of the torque of {joint} beyond a limit does not act, as of commands beyond that of its drive",
+        "log the current or torque that the drive gives, limit the command alike, or leave these samples out",
+    ),
     "two-clocks": Kind(
         1e-4,
-        "the clock of the torques runs {percent:.3g} % slow against that of the angles: their delay changes by "
-        "{milli:.3g} ms a second",
+        "the clock of the torques is {percent:.3g} % slower than that of the angles: delays grow by {milli:.3g} ms/s",
         "stamp both by one clock, or scale the time of one of them; a delay that stays does not mend it",
         most=0.02,
     ),
@@ -188,8 +183,7 @@ KINDS = {
     "change": Kind(
         None,
         "{form} differs by {x:.3g}{of}: one value does not describe all data",
-        "look for what happened then, such as an encoder that slipped, a zero that was set again, a load, or a brake "
-        "or stand that carried the leg; leave one part out, or give the parts as groups with own parameters",
+        "look for what happened then (a slip, a zero, a load, a stand); leave one part out, or make the parts groups",
     ),
     "wrong-load": Kind(
         None,
@@ -206,8 +200,7 @@ KINDS = {
         5e-4,
         "the angle of {joint} is off by up to {milli:.2g} mrad in waves, {form} a turn or about so often, as a "
         "potentiometer or an encoder with an eccentric disc or magnet is",
-        "calibrate the angle over its range against another encoder, and subtract what it reads too much; a spring "
-        "between encoder and link bends so under gravity, too",
+        "calibrate the angle over its range, and subtract what it reads too much; a spring under gravity bends so, too",
     ),
     "elastic-joint": Kind(
         None,
@@ -231,6 +224,7 @@ OF_ONE_JOINT = {
     "smoothing": ("smoothed-torque", "1", ""),
     "gain |τ|": ("torque-curve", "1", "where positive, and as much less where negative"),
     "gain τ²": ("torque-curve", "1", "at its RMS size, and ever more beyond"),
+    "beyond": ("saturation", "1", ""),
     "constant t": ("change", "N·m/s", "from each second to the next, the zero of the torque"),
     "friction |v|": ("unmodelled-friction", "N·m·s/rad", "asymmetric friction"),
     "friction v²": ("unmodelled-friction", "N·m·s²/rad²", "quadratic friction"),
@@ -259,10 +253,12 @@ class Library(NamedTuple):
     friction: tuple[int, ...]  # columns of friction of other forms
 
 
+@lru_cache(maxsize=4)  # a check asks for it several times
 def library(
-    model: TorqueModel, arms: Mapping[int, ArmShapes], free: Collection[int], *, known: bool, sensed: bool
+    model: TorqueModel, shapes: tuple[tuple[int, ArmShapes], ...], free: tuple[int, ...], *, known: bool, sensed: bool
 ) -> Library:
     """List the faults that are tested; of known torques, of payloads or sensors, where there are any."""
+    arms = dict(shapes)
     names, planar = model.leg.joint_names, model.leg.chain is not None
     n, unbiased, turns = len(names), without_offset(model), turning_joints(model.leg)
     few = n <= 4  # beyond, cross-talk and forces of other joints would be too many columns to tell apart
@@ -288,7 +284,7 @@ def library(
         always += (*add("sharpness", j), *add("reversals", j))
         for column, (kind, unit, form) in OF_ONE_JOINT.items():
             # half of a torque: no sensor or motor is bent by more; in 0.05 s a motion of 2 Hz goes on by half a radian
-            most = {"torque-curve": 0.5, "angle-delay": 0.05}.get(kind, np.inf)
+            most = {"torque-curve": 0.5, "angle-delay": 0.05, "saturation": 1.25}.get(kind, np.inf)
             faults.append(Nuisance(kind, joint, j, unit, add(column, j), form=form, most=most))
         force = (*add("force", j, *(range(n) if few else (j,))), *add("force²", j))
         faults.append(Nuisance("unmodelled-force", joint, j, "N·m", force))

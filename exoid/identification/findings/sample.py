@@ -45,8 +45,8 @@ class FittedLeg(NamedTuple):
     def library(self) -> Library:
         """Faults that are tested, and their columns."""
         sensed = any(isinstance(one, Recording) and one.wrenches for one in self.data)
-        known, free = sensed or any(one.payloads for one in self.data), self.constants.values()
-        return library(self.model, self.arms, free, known=known, sensed=sensed)
+        known, free = sensed or any(one.payloads for one in self.data), tuple(self.constants.values())
+        return library(self.model, tuple(self.arms.items()), free, known=known, sensed=sensed)
 
     def sampled(self) -> FittedLeg:
         """Take samples for a check, with the joints of the leg; a log much faster than its filter is averaged."""
@@ -69,8 +69,8 @@ class FittedLeg(NamedTuple):
 def some_samples(
     model: TorqueModel, data: Sequence[Recording | Poses], most: int = 60_000
 ) -> tuple[Recording | Poses, ...]:
-    """Take at most so many samples, in segments of 6 000 spread evenly: more would find no smaller faults."""
-    segment = 6_000
+    """Take at most so many samples, in five segments or fewer spread evenly: more would find no smaller faults."""
+    segment = max(6_000, most // 5)
     if sum(len(one) for one in data) <= most:
         chosen = list(data)
     else:

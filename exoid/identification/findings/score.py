@@ -193,7 +193,10 @@ class State:
         """Test one fault; None where it leaves no trace beside the fit, or is likely in noise and explains little."""
         # the parameters that it moves are those of a plain fit, without protecting columns
         columns, tests = list(nuisance.columns), self._tests
-        own = np.ix_(columns, columns)
+        own, whole = np.ix_(columns, columns), max(float(self.residual @ self.residual), TINY)
+        quiet = len(columns) == 1 and tests.score[columns[0]] ** 2 <= LARGE_GAIN * whole * tests.information[own][0, 0]
+        if quiet and p_value_of(tests.score[columns], tests.noise[own], self.dof) >= limit:
+            return None  # as below, but most columns end here
         size = np.sqrt(np.diag(tests.size)[columns])
         C = np.eye(len(columns))[:, size > 0.0] / size[size > 0.0]
         information = C.T @ tests.information[own] @ C
@@ -206,7 +209,7 @@ class State:
         score, noise = C.T @ tests.score[columns], C.T @ tests.noise[own] @ C
         inverse = np.linalg.inv(information) if len(information) > 1 else 1.0 / information
         step = inverse @ score
-        gain = min(float(score @ step) / max(float(self.residual @ self.residual), TINY), 1.0 - 1e-12)
+        gain = min(float(score @ step) / whole, 1.0 - 1e-12)
         p_value = p_value_of(score, noise, self.dof)
         if p_value < WORTH_A_LOOK:
             factor, blocks = self._uneven(columns, C, step, noise)

@@ -26,6 +26,7 @@ SMALLEST_MOVE, DOUBTFUL_MOVE, FAR_MOVE, UNDECIDED = 0.5, 0.25, 10.0, 3.0
 """Half widths by which a fault moves a parameter if it matters, makes it doubtful, or is an error; and evidence below
 that of the best (20 times less likely) from which on others are not named beside it."""
 
+STUCK = 0.03  # speed below which a joint may stick, as in the default terms [rad/s]
 LATE = 0.01  # delay of torques as a mistake of recording makes it, at least [s]
 SCALES = ("torque-scale", "angle-scale")
 FORWARD = ("elastic-joint", "play", "angle-delay", "smoothed-torque")  # no link is ahead of its load, nor angle early
@@ -143,13 +144,14 @@ def _counts(score: Score, limit: float) -> bool:
     """Whether a fault is significant and moves a parameter."""
     # Late torques are common: their limit of significance is ten times larger, and their least move half. Each names
     # one to three more of 40 machines of the proving ground, seeds below 60.
-    least = 0.0 if score.nuisance.kind in FORWARD else -score.nuisance.most
-    if score.nuisance.kind in (*FORWARD, "torque-curve") and not least <= score.delta[0] <= score.nuisance.most:
+    least = {**dict.fromkeys(FORWARD, 0.0), "saturation": 0.75, "torque-curve": -score.nuisance.most}
+    if score.nuisance.kind in least and not least[score.nuisance.kind] <= score.delta[0] <= score.nuisance.most:
         return False
-    # a change is the best of those at all times
-    ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if score.nuisance.kind in ("change", "wrong-load") else 1.0
-    least = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
-    return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > least)
+    # a change is the best of those at all times, and a limit that of many
+    best = score.nuisance.kind in ("change", "wrong-load", "saturation")
+    ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if best else 1.0
+    moves = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
+    return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > moves)
 
 
 def _is_spring(score: Score, beside: _Beside, fitted: FittedLeg, changes: Sequence[Change]) -> bool:
@@ -239,14 +241,18 @@ def _predicts(beside: _Beside, score: Score, plain: State) -> bool:
     used = np.append(np.unique(np.concatenate(models)), -1)
     blocks = np.zeros((4, len(evidence.factors), len(used), len(used)))
     for j, (weight, tables) in enumerate(zip(plain.weights, evidence.tables, strict=True)):
-        for table in tables:
-            for k, x in enumerate(np.array_split(weight * table[used], 16, axis=1)):
+        for part, table in zip(evidence.parts, tables, strict=True):
+            # What a joint that sticks holds is any torque up to its friction, another at each place: as of a strap
+            speed = np.abs(part.v[:, j])
+            moves = (speed > STUCK) | (fault.kind != "unmodelled-force") | (not speed.any())  # rows of a base have none
+            for k, x in enumerate(np.array_split(weight * table[used] * moves, 16, axis=1)):
                 blocks[k % 4, j] += x @ x.T
     torque = np.where(np.isin(used, own), applied, 0.0)  # as it was logged
     torque[-1] = 1.0
     errors, whole = np.zeros((4, len(evidence.factors))), blocks.sum(axis=0)
-    # The columns of a force only resemble a strap: at angles that were left out they say nothing
-    tests = [(whole, whole)] if fault.kind == "unmodelled-force" else [(whole - out, out) for out in blocks]
+    # Columns of a force only resemble a strap, and peaks are few: of what was left out the rest says nothing
+    local = fault.kind in ("unmodelled-force", "saturation")
+    tests = [(whole, whole)] if local else [(whole - out, out) for out in blocks]
     for rest, out in tests:
         fitted = rest.sum(axis=0)
         for k, columns in enumerate(models):

@@ -105,9 +105,7 @@ def form_design(
             tau, base, gain = rows.tau.T * moves, W[..., :count], each.parallel.gain(each.inside, stretch)
             part = Design(at, rows.time, moves, tau, base, friction, (), 1.0, gain)
             parts.append(part.some(each.inside[where]))
-    recording, time, gain = (
-        np.concatenate(x) for x in zip(*((x.recording, x.time, x.gain) for x in parts), strict=True)
-    )
+    recording, time, gain = map(np.concatenate, zip(*((x.recording, x.time, x.gain) for x in parts), strict=True))
     moves, tau, base = (np.concatenate(x, axis=1) for x in zip(*((x.moves, x.tau, x.base) for x in parts), strict=True))
     friction = tuple(np.vstack([part.friction[joint] for part in parts]) for joint in range(len(library)))
     places = tuple({column: k for k, column in enumerate(of_joint)} for of_joint in library)

@@ -1,7 +1,5 @@
 """A fault needs a size that matters, not only significance: exact logs have no trifling findings."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from logs import clean, late, of_kind, with_column
@@ -34,15 +32,6 @@ def test_a_trifling_fault_of_an_exact_log_is_not_reported_and_a_small_one_is_no_
     assert finding.severity == "warning"
     assert abs(finding.value) == pytest.approx(np.deg2rad(0.5), rel=0.05)
     assert of_kind(exoid.check(leg, tilted(log, 10.0)), "gravity-direction").severity == "error"
-
-
-def test_a_spring_makes_parameters_of_other_joints_doubtful_too():
-    """A strap that looks like a spring at one joint pulls at the others as well."""
-    leg, log = clean()
-    pulled = dataclasses.replace(log, tau=log.tau + np.array([0.0, 5.0, 0.0]) * log.q)
-    estimate = exoid.identify(leg, pulled)
-    assert {"X1", "Y1", "X2", "Y2", "X3", "Y3"} <= estimate.doubtful
-    assert "well" not in estimate.identifiability
 
 
 def test_the_zero_of_the_last_joint_is_information_from_two_degrees_on():
