@@ -66,7 +66,10 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
         return fitted
     most = float(moves.max())
     shown = f"{', '.join(names[:3])}{' and others' if len(names) > 3 else ''}"
-    message = f"noise of the angles moves {shown} by up to {most:.2g} half widths of their intervals, which lack it"
+    message = (
+        f"noise of the angles moves {shown} by up to {most:.2g} half widths of their intervals, which do not "
+        "include it: the filter leaves too much of it in the accelerations"
+    )
     remedy = "leave cutoff and preparation out, so that the noise chooses, or use the estimator ml"
     severity: Severity = "error" if most > 2.0 else "warning"
     finding = Finding("noisy-angles", "", most, "1", severity, message, remedy, parameters=names)

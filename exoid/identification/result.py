@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import cast
 
 import numpy as np
 import scipy  # its parts load when they are first used
@@ -29,6 +31,7 @@ from exoid.regression.diagnostics import (
 )
 from exoid.regression.fit import samples_left, uncertainty_of
 from exoid.regression.least_squares import rms_residual, stack
+from exoid.signals import Preparation
 from exoid.torques import TorqueModel
 from exoid.torques.contacts.stretches import Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
@@ -124,10 +127,11 @@ class Result:
         places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
+        main, told = _at_one_cutoff([problem.groups[k] for k in parts], supports) if standing else (rows, [])
         own = (rms_residual(each, solution.values[every]) for each in rows.by_row)
-        residual_rms = np.array([_of_joint(supports, x) for x in model.leg.joint_names] if standing else [*own])
+        residual_rms = np.array([_of_joint(told, x) for x in model.leg.joint_names] if standing else [*own])
         factors = [each for one in self._ordinary(parts) for each in one.r_factors]
-        assert rows.preparation is not None
+        assert main.preparation is not None
         return Estimate(
             model=model,
             values=values,
@@ -136,7 +140,7 @@ class Result:
             dof=float(self.left[parts].sum()),
             residual_rms=residual_rms,
             estimator=fit.name or name_of(self.estimator),
-            preparation=rows.preparation,
+            preparation=main.preparation,
             inputs=self.inputs,
             warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance)))),
             nonlinear=self.nonlinear,
@@ -238,6 +242,22 @@ def _support(group: Group, values: FloatArray) -> Support:
     rms = [rms_residual(of_row, values) for of_row in group.by_row]
     seconds = sum(float(np.count_nonzero(one.mask)) / one.sample_rate for one in group.motions if one.mask is not None)
     return Support(group.links or "", seconds, dict(zip(group.model.row_names, rms, strict=True)))
+
+
+def _at_one_cutoff(groups: Sequence[Group], supports: Sequence[Support]) -> tuple[Group, list[Support]]:
+    """Choose rows of feet without plates, for the longest time, the most of them; and residuals at their cut-off."""
+
+    def rank(k: int) -> tuple[bool, float, int]:
+        model = groups[k].model
+        links = model.links if isinstance(model, SupportModel) and not model.plates else ()
+        return bool(links), supports[k].seconds, len(links)
+
+    main, told = groups[max(range(len(groups)), key=rank)], []
+    shares = [cast(Preparation, x.preparation).independent_fraction(x.motions[0].sample_rate) for x in (main, *groups)]
+    for one, share in zip(supports, shares[1:], strict=True):  # of white noise
+        size = math.sqrt(shares[0] / share)
+        told.append(replace(one, residual_rms={row: size * rms for row, rms in one.residual_rms.items()}))
+    return main, told
 
 
 def _of_joint(supports: Sequence[Support], joint: str) -> float:

@@ -47,7 +47,10 @@ def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
     for j, joint in enumerate(model.leg.joint_names):
         share = float(worst[j])
         if share > 0.01:
-            message = f"the base leaves the plane of the leg: X, Y and J lack {share:.2%} of the torque of {joint}"
+            message = (
+                f"the base rotates out of the plane of the leg, which adds {100.0 * share:.2g} % to the torque "
+                f"of {joint} that X, Y and J do not describe"
+            )
             remedy = 'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking'
             severity: Severity = "error" if share > 0.1 else "warning"
             doubtful, where = tuple(np.array(model.names)[model.acting[j]].tolist()), name if len(data) > 1 else ""

@@ -173,8 +173,11 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         return
     share = float(np.mean((steps == 0.0) & counts)) / max(share_of, 0.1)
     if share >= least:
-        late = f"late by up to a sample of a sensor of about {(1.0 - share) * channel.rate:.3g} Hz"
-        message = f"{share:.1%} of the {channel.noun}s repeat the sample before: the {channel.noun} is {late}"
+        message = (
+            f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor "
+            f"answers (about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is "
+            "late by up to a sample of the sensor"
+        )
         remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
         yield Finding("stale-samples", channel.joint, share, "1", "warning", message, remedy)
 

@@ -183,7 +183,8 @@ KINDS = {
     "change": Kind(
         None,
         "{form} differs by {x:.3g}{of}: one value does not describe all data",
-        "look for what happened then (a slip, a zero, a load, a stand); leave one part out, or make the parts groups",
+        "look for what happened then, such as an encoder that slipped, a zero that was set again, a load, or a brake "
+        "or stand that carried the leg; leave one part out, or give the parts as groups with own parameters",
     ),
     "wrong-load": Kind(
         None,
@@ -200,7 +201,8 @@ KINDS = {
         5e-4,
         "the angle of {joint} is off by up to {milli:.2g} mrad in waves, {form} a turn or about so often, as a "
         "potentiometer or an encoder with an eccentric disc or magnet is",
-        "calibrate the angle over its range, and subtract what it reads too much; a spring under gravity bends so, too",
+        "calibrate the angle over its range against another encoder, and subtract what it reads too much; a spring "
+        "between encoder and link bends so under gravity, too",
     ),
     "elastic-joint": Kind(
         None,

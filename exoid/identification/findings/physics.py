@@ -154,7 +154,10 @@ def impossible_leg(
     apart = max(apart, distance)
     away = f"{apart:.3g} standard deviations away"
     message = f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {away}"
-    remedy = "look for a wrong sign, unit, length, payload or contact, swapped columns, or a rotor or spring that lacks"
+    remedy = (
+        "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs "
+        "that the model lacks also do this"
+    )
     # but they make no mass negative: of a machine on a floating base, or of all links behind a prismatic joint
     K, of_masses = leg.reduction.collect, np.arange(leg.reduction.collect.shape[1]) % 10 == 0
     masses = (np.abs(K[:, ~of_masses]) < 1e-9).all(axis=1) & (K[:, of_masses] > -1e-9).all(axis=1)
