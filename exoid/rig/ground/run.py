@@ -146,12 +146,12 @@ class GroundRun:
         base = self.steps.base_motion(sensors.window) if sensors.window else self.base
         imu, measured = read_imu(sensors, base, rng, pose), {}
         read, root = dict(self.wrenches), self.plant.root_link
-        if root in read:
-            force, moment = np.hsplit(self.steps.read(self.steps.hold, sensors.window), 2)
-            read[root] = Wrench(force, moment, read[root].point)
         for link, foot in self.feet.items():
             force, moment = about_link(self.steps.read(self.steps.ground[link], sensors.window), foot.position)
             read[link] = replace(foot, force=force, moment=moment).wrench
+        if root in read and (root not in self.feet or self.steps.hold.any()):  # of a held seat, what holds it counts
+            force, moment = np.hsplit(self.steps.read(self.steps.hold, sensors.window), 2)
+            read[root] = Wrench(force, moment, self.wrenches[root].point)
         behind = replace(self, wrenches=read)
         for link in logged:
             true = behind.wrench(link, world=world)
