@@ -12,7 +12,16 @@ from ground_machines import inverse_dynamics_residual, residual, spatial_plant
 
 from exoid.experiments.ground import bleex_machine
 from exoid.rig import Rates
-from exoid.rig.ground import Block, GroundMotion, GroundPlant, JointGains, Sole, Spring, simulate_on_ground
+from exoid.rig.ground import (
+    Block,
+    GroundMotion,
+    GroundPlant,
+    GroundSensors,
+    JointGains,
+    Sole,
+    Spring,
+    simulate_on_ground,
+)
 from exoid.rig.ground.engine import Engine
 
 pytestmark = pytest.mark.slow
@@ -126,3 +135,8 @@ def test_a_chair_and_a_step_bear_what_the_ground_does_not():
     assert all(foot.force[-1, 2] > 20.0 for foot in run.feet.values())
     total = sum(foot.force[-1] for foot in run.feet.values()) + held
     np.testing.assert_allclose(total, [0.0, 0.0, weight], rtol=0, atol=2e-3 * weight)
+    alone = simulate_on_ground(on_blocks, still, GAINS)  # the log has what holds a seat, or else what the seat bears
+    for one, true in ((run, run.wrenches["torso"]), (alone, alone.feet["torso"].wrench)):
+        read = one.recording(GroundSensors.exact()).wrenches["torso"]
+        np.testing.assert_allclose(read.force, true.force, rtol=0, atol=1e-9)
+        assert np.abs(read.force).max() > 1.0
