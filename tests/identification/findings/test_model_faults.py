@@ -118,6 +118,13 @@ def test_a_segment_on_the_wrong_side_of_its_joint_is_found():
     assert "impossible-leg" in kinds(found)
 
 
+def test_negative_rotor_inertia_is_a_warning():
+    leg, log = clean()
+    less = 0.5 * leg.parameters[5] * acceleration(log)[:, 1]
+    estimate = exoid.identify(leg, with_column(log, "tau", 1, lambda x: x - less))
+    assert any(text.startswith("Ia_knee negative beyond error") for text in estimate.warnings)
+
+
 def test_a_shared_factor_of_torque_and_model_changes_no_finding():
     """A log in other units of force and the leg in the same units have the same faults."""
     leg, log = clean()
