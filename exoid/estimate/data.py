@@ -59,7 +59,7 @@ class EstimateData(ParameterTable):
         covariance: Covariance of the values, (P, P).
         condition_number: Condition number of the regressor with columns scaled to unit length; below 100 is good.
         dof: Independent samples less parameters.
-        residual_rms: RMS residual of each joint on the data that were fitted [N·m], (n,).
+        residual_rms: RMS residual of each joint on the data that were fitted, behind its cut-off [N·m], (n,).
         estimator: Name of the estimator.
         preparation: Filter and differentiation of the recordings.
         inputs: Recordings that were fitted.
