@@ -247,10 +247,10 @@ def _support(group: Group, values: FloatArray) -> Support:
 def _at_one_cutoff(groups: Sequence[Group], supports: Sequence[Support]) -> tuple[Group, list[Support]]:
     """Choose rows of feet without plates, for the longest time, the most of them; and residuals at their cut-off."""
 
-    def rank(k: int) -> tuple[bool, float, int]:
+    def rank(k: int) -> tuple[bool, float, int, str]:
         model = groups[k].model
         links = model.links if isinstance(model, SupportModel) and not model.plates else ()
-        return bool(links), supports[k].seconds, len(links)
+        return bool(links), round(supports[k].seconds, 6), len(links), supports[k].name  # whatever the order of logs
 
     main, told = groups[max(range(len(groups)), key=rank)], []
     shares = [cast(Preparation, x.preparation).independent_fraction(x.motions[0].sample_rate) for x in (main, *groups)]

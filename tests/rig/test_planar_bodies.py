@@ -11,9 +11,9 @@ from exoid.leg.torso import tilted_gravity
 from exoid.rig.planar_bodies import PlanarBodies
 
 B = 30
-SCALE = np.random.default_rng(3).uniform(
-    0.8, 1.2, B
-)  # legs of a batch may differ; all here is linear in their parameters
+SCALE = np.random.default_rng(3).uniform(0.8, 1.2, B)
+"""Legs of a batch may differ; all here is linear in their parameters."""
+
 LEGS = [
     exoid.load_leg("bleex"),
     exoid.load_leg("bleex", side="right", inertias="identified"),

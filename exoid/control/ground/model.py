@@ -168,8 +168,8 @@ class GroundModel(ControlModel):
         arm = {"heel": -half, "toe": half, "flat": 0.0}[kind]
         turning, tilt = pitch_rate + self.turns[link] @ v, pitch + self.turns[link] @ q - lean
         J, drift = np.array([J[0], J[1] + arm * J[2]]), drift[:2] - np.array([arm * turning**2, 0.0])
-        turn, place = (
+        turn, end = (
             np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]]),
-            place + arm * np.eye(2)[0],
+            place + np.array([arm, 0.0]),
         )
-        return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]), turn @ place)
+        return ContactRows(turn @ J, turn @ drift, np.array([(1.0, -friction), (-1.0, -friction)]), turn @ end)
