@@ -26,7 +26,7 @@ from exoid.tools.numbers import checked
 
 from .in_c import stance_in_c
 from .model import BASE, ContactRows, GroundModel
-from .qp import REACHED, YIELDS, Rows, minimise, require_daqp, solutions
+from .qp import YIELDS, Rows, minimise, require_daqp, solutions
 
 ContactKind = Literal["flat", "heel", "toe"]
 """Part of a sole that touches."""
@@ -258,7 +258,6 @@ class StanceLaw:
             "drift_cost": (DRIFT, "of the hip [s^2/m]"),
             "arm": (ARM, "by which forces and moments are compared [m]"),
             "fading": (FADING, "share over the largest below which a contact fades"),
-            "reached": (REACHED, "distance at which a row of the program counts as reached, over its size"),
             "yields": (YIELDS, "slack of a row that yields at the cost 1, over its size"),
             "least_share": (LEAST_SHARE, "least normal force beside others, over the weight and its share"),
             "largest_share": (LARGEST_SHARE, "largest force of a contact that bears all, over the weight"),

@@ -21,9 +21,6 @@ def require_daqp() -> Any:  # noqa: ANN401 - a module
     return daqp
 
 
-REACHED = 1e-7
-"""Distance at which a row counts as reached, over its size in the metric of A'A: DAQP's errors are 1e-9 of that."""
-
 YIELDS = 1e-3
 """Slack of a row that yields at the cost 1, over its size: DAQP's own, the root of ``rho_soft``."""
 
@@ -47,24 +44,21 @@ def minimise(A: FloatArray, b: FloatArray, groups: Sequence[Rows]) -> tuple[Floa
     for softened in range(len(groups)):  # a soft constraint that is active is always violated a little
         kinds = [hard] * (len(groups) - softened) + [soft] * softened
         sense = np.repeat(np.array(kinds, dtype=np.intc), sizes)
-        y, _, exit_flag, _ = solver.solve(H, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
+        _, _, exit_flag, info = solver.solve(H, -(A.T @ b), np.ascontiguousarray(rows), upper, lower, sense)
         if exit_flag > 0:
-            return _polish(A, b, Rows(rows, lower, upper), np.asarray(y), YIELDS * (sense == soft)), softened < 2
+            held = info["lam"] != 0.0  # multipliers, positive at the upper bound
+            bounds = np.where(info["lam"] > 0.0, upper, lower)[held]
+            return _polish(A, b, rows[held], bounds, YIELDS * (sense == soft)[held]), softened < 2
     # numbers that no solver takes: the torque is clipped in the end
     return np.asarray(np.linalg.lstsq(A, b)[0], dtype=np.float64), False
 
 
-def _polish(A: FloatArray, b: FloatArray, inside: Rows, y: FloatArray, yields: FloatArray) -> FloatArray:
-    """Solve once more, for equality of the rows that y has reached: DAQP's factors lose digits from step to step."""
-    size = np.sqrt(np.einsum("im,mi->i", inside.rows, np.linalg.solve(A.T @ A, inside.rows.T)))
-    at = inside.rows @ y
-    low = at - inside.lower < REACHED * size
-    held = low | (inside.upper - at < REACHED * size)
+def _polish(A: FloatArray, b: FloatArray, E: FloatArray, bounds: FloatArray, yields: FloatArray) -> FloatArray:
+    """Solve once more, for equality of the rows with multipliers: DAQP's factors lose digits from step to step."""
+    size = np.sqrt(np.einsum("im,mi->i", E, np.linalg.solve(A.T @ A, E.T)))
     # a row that yields has a slack t of its own, row y + yields t = bound, at the cost |t|²
-    slacks = np.diag(yields * size)[:, held & (yields > 0.0)]
-    bounds = np.where(low, inside.lower, inside.upper)
-    x, N = solutions(np.hstack([inside.rows, slacks])[held], bounds[held])
-    m = len(y)
+    x, N = solutions(np.hstack([E, np.diag(yields * size)[:, yields > 0.0]]), bounds)
+    m = A.shape[1]
     free = np.linalg.lstsq(np.vstack([A @ N[:m], N[m:]]), np.append(b - A @ x[:m], -x[m:]))[0]
     return np.asarray(x[:m] + N[:m] @ free)
 
