@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.regression.least_squares import RANK_OF_SQUARES
+from exoid.tools.json_values import attributes, named
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table, with_error
 
@@ -61,13 +62,11 @@ class Comparison(ReadOnly, Report):
         Returns:
             Differences and p-values by name, and the test of all.
         """
-        by_name = ("difference", "std", "p_values", "adjusted")
+        by_name = ("difference", "std", "p_values", "adjusted", "units")
         return {
-            **{key: dict(zip(self.names, getattr(self, key).tolist(), strict=True)) for key in by_name},
-            "units": dict(zip(self.names, self.units, strict=True)),
+            **{key: named(self.names, getattr(self, key)) for key in by_name},
             "remarks": list(self.notes),
-            "statistic": self.statistic,
-            "p_value": self.p_value,
+            **attributes(self, "statistic", "p_value"),
         }
 
     def __repr__(self) -> str:
@@ -166,10 +165,12 @@ def wald(
     """Test whether differences are zero, each alone and all together."""
     std = np.sqrt(np.clip(np.diag(covariance), 0.0, None)) if std is None else std
     tested = np.ones(len(names), dtype=np.bool_) if held is None else ~held
-    known = std == 0.0  # two that are known exactly differ or they do not
+    known = std == 0.0
+    sure = tested & known & (difference != 0.0)  # no error explains these
     p = 2.0 * scipy.stats.t.sf(np.abs(difference) / np.where(known, 1.0, std), dof)
-    p_values = np.where(tested, np.where(known, np.where(difference == 0.0, 1.0, 0.0), p), 1.0)
-    statistic, p_value = hotelling(difference[tested], covariance[np.ix_(tested, tested)], least)
+    p_values = np.where(sure, 0.0, np.where(tested & ~known, p, 1.0))
+    within = difference[tested], covariance[np.ix_(tested, tested)], least
+    statistic, p_value = (np.inf, 0.0) if sure.any() else hotelling(*within)
     dof = np.broadcast_to(np.asarray(dof, dtype=np.float64), difference.shape).copy()
     return Comparison(names, units, difference, std, p_values, holm(p_values), statistic, p_value, notes, dof=dof)
 
@@ -201,12 +202,10 @@ def welch(v1: FloatArray, v2: FloatArray, dof1: float | FloatArray, dof2: float 
 
 def hotelling(difference: FloatArray, covariance: FloatArray, dof: float) -> tuple[float, float]:
     """Hotelling's T² as F, with the smaller degrees of freedom of the two."""
-    if not len(difference):
-        return 0.0, 1.0
     std = np.sqrt(np.diag(covariance))
     std = np.where(std > 0.0, std, 1.0)
     sizes, vectors = np.linalg.eigh(covariance / np.multiply.outer(std, std))
-    seen = sizes > RANK_OF_SQUARES * max(sizes.max(), RANK_OF_SQUARES)
+    seen = sizes > RANK_OF_SQUARES * max(sizes.max(initial=0.0), RANK_OF_SQUARES)
     rank = int(seen.sum())
     if rank == 0:
         return 0.0, 1.0
@@ -248,5 +247,5 @@ def equality_of(
         contrast = np.column_stack([-np.ones(len(several) - 1), np.eye(len(several) - 1)])
         difference = contrast @ values[several]
         spread = contrast @ covariance[np.ix_(several, several)] @ contrast.T
-        p_values[k] = hotelling(difference, spread, float(dof[several].min()))[1] if spread.any() else 1.0
+        p_values[k] = hotelling(difference, spread, float(dof[several].min()))[1]
     return Equality(tuple(places), p_values, holm(p_values))

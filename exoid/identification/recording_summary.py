@@ -157,7 +157,7 @@ def evidence(data: Recording | Poses) -> Input:
     named = ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle")
     arrays = [getattr(data, name, None) for name in named] + ([] if base is None else [base.columns, base.position])
     arrays += [part for one in (wrenches or {}).values() for part in (one.columns, one.point)]
-    arrays += getattr(data, "contacts", {}).values()
+    arrays += [*getattr(data, "contacts", {}).values(), *({} if data.torso is None else vars(data.torso)).values()]
     digest = hashlib.sha256()
     for array in arrays:
         if array is not None:

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from made_estimates import made
 from scipy import stats
 from swings import TERMS, Swing
 from unchecked import identify
@@ -11,6 +12,7 @@ from unchecked import identify
 import exoid
 from exoid import Viscous
 from exoid.signals import FiniteDifference
+from exoid.torques.model import TorqueModel
 
 EXACT = FiniteDifference()
 
@@ -92,6 +94,16 @@ def test_what_was_held_is_not_tested_and_two_values_are_named(leg):
     assert not exoid.compare(one, same).notes
     assert "X1 (8 and 8.5) held at different values" in exoid.compare(one, other).notes[0]
     assert "note: X1 (8 and 8.5)" in " ".join(str(exoid.compare(one, other)).split())
+
+
+def test_exact_models_differ_if_a_number_does(leg, heavier):
+    exact, same, other = (
+        made(TorqueModel(each, ()), each.parameters, np.zeros((9, 9))) for each in (leg, leg, heavier)
+    )
+    assert exoid.compare(exact, same).p_value == 1.0
+    comparison = exoid.compare(exact, other)
+    assert comparison.differ
+    assert comparison.to_json()["p_value"] == 0.0
 
 
 @pytest.mark.parametrize(

@@ -93,12 +93,15 @@ def test_two_logs_of_the_same_motion_are_two():
     assert exoid.identify(leg, [log, again]).findings == ()
 
 
-def test_the_hash_of_a_log_in_memory_is_also_that_of_its_forces_and_contacts(data):
+def test_the_hash_of_a_log_in_memory_is_also_that_of_its_forces_contacts_and_torso(data):
     force = np.outer(np.sin(data.test.time), [40.0, 0.0, 90.0])
     plain = dataclasses.replace(data.test, source=None, contacts={"left_foot": force[:, 2] > 0.0})
     logs = [plain, dataclasses.replace(plain, contacts={"left_foot": force[:, 2] > 1.0})]
     logs += [dataclasses.replace(plain, wrenches={"left_foot": exoid.Wrench(x * force, 0.0 * force)}) for x in (1, 2)]
     assert len({evidence(log).sha256 for log in logs}) == 4
+    upright = clean()[1]
+    tilted = [dataclasses.replace(upright, torso=exoid.TorsoMotion(pitch=0.1 * k)) for k in range(2)]
+    assert len({evidence(log).sha256 for log in (upright, *tilted)}) == 3
 
 
 def test_samples_at_rest_are_not_the_same_data():
