@@ -122,16 +122,16 @@ class Tracking(ReadOnly):
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
     """Make a table of several controllers, with the torque of the wearer if they are worn."""
     runs = tuple(trackings)
-    position = heading(runs[0].units if runs else ())
+    position, torque = (heading(runs[0].units, of) if runs else "" for of in ("angle", "torque"))
     figures = {
         f"peak [{position}]": ("peak_deg", 2),
         f"rms [{position}]": ("rms_deg", 2),
-        "rms [N·m]": ("rms_torque", 1),
+        f"rms [{torque}]": ("rms_torque", 1),
         "energy [J]": ("energy", 1),
-        "TV [N·m/s]": ("torque_variation", 1),
+        f"TV [{torque}/s]": ("torque_variation", 1),
     }
     if runs and all(one.interaction is not None for one in runs):
-        figures["wearer [N·m]"] = "rms_interaction", 2
+        figures[f"wearer [{torque}]"] = "rms_interaction", 2
     rows = []
     for one in runs:
         columns = [[f"{x:.{digits}f}" for x in getattr(one, name)] for name, digits in figures.values()]

@@ -210,7 +210,7 @@ def _closing_lines(grouped: GroupedEstimate) -> Iterator[str]:
         estimate = grouped[group]
         residuals = zip(estimate.joint_names, estimate.residual_rms, estimate.trained, strict=True)
         each = (f"{joint} {f'{rms:.3g}' if there else 'not measured'}" for joint, rms, there in residuals)
-        yield f"residual RMS of {group} [N·m]: {', '.join(each)}"
+        yield f"residual RMS of {group} [{estimate.model.torque_unit}]: {', '.join(each)}"
     yield condition(grouped.condition_number)
     if grouped.own and len(grouped) > 1:
         yield f"own parameters that differ at 5 % of all: {', '.join(grouped.equal.below(SIGNIFICANT)) or 'none'}"

@@ -98,17 +98,16 @@ def written(value: float, std: float, interval: FloatArray) -> tuple[str, ...]:
 
 def fit_table(estimate: EstimateData) -> DataTable:
     """Make a table of the fit of each joint, without the figures that are not known."""
-    headers, columns = ["joint", "residual RMS [N·m]"], [[f"{rms:.3g}" for rms in estimate.residual_rms]]
+    headers = ["joint", f"residual RMS [{estimate.model.torque_unit}]"]
+    columns = [[f"{rms:.3g}" for rms in estimate.residual_rms]]
     if estimate.evidence.torque_spread is not None:
         headers += ["NRMSE", "R²"]
         columns += [["–" if np.isnan(x) else f"{x:.4f}" for x in numbers] for numbers in (estimate.nrmse, estimate.r2)]
     if estimate.noise:
         headers += ["effective samples"]
         columns += [[f"{noise.effective_samples:.0f} of {noise.samples}" for noise in estimate.noise]]
-    rows = [
-        (joint, *cells) if there else (joint, "not measured", *("" for _ in cells[1:]))
-        for joint, there, *cells in zip(estimate.joint_names, estimate.trained, *columns, strict=True)
-    ]
+    each = zip(estimate.joint_names, estimate.trained, *columns, strict=True)
+    rows = [(x, *cells) if there else (x, "not measured", *("" for _ in cells[1:])) for x, there, *cells in each]
     return DataTable("", headers, rows)
 
 

@@ -88,8 +88,8 @@ class Run:
     def __str__(self) -> str:
         """Print as a table: range of motion, tracking error and torque over all rigs, one line a joint."""
         units = position_units(self.plant.leg)
-        sizes, at = np.array([unit.size for unit in units])[:, None], heading(units)
-        shown, error = self.q / sizes, (self.target - self.q) / sizes
+        at, speed, torque = (heading(units, of) for of in ("angle", "velocity", "torque"))
+        shown, error = (x / np.array([[unit.size] for unit in units]) for x in (self.q, self.target - self.q))
         rows = [
             (
                 name,
@@ -101,8 +101,8 @@ class Run:
             )
             for joint, name in enumerate(self.plant.leg.joint_names)
         ]
-        errors = f"max error [{at}]", f"rms error [{at}]"
-        headers = ("joint", f"angle [{at}]", "max speed [rad/s]", *errors, "max torque [N·m]")
+        columns = ("angle", at), ("max speed", speed), ("max error", at), ("rms error", at), ("max torque", torque)
+        headers = ("joint", *(f"{name} [{unit}]" for name, unit in columns))
         table = DataTable(f"Run of {self.plant.description}: {self._size}", headers, rows)
         return to_text(table, f"energy balance: relative error up to {self.energy.relative_error.max():.1g}")
 

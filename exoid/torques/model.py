@@ -23,6 +23,7 @@ from exoid.signals import Poses, Recording, Wrench, wrenches_on_links
 from .catalog import at_slide, turning_joints
 from .motion import BLOCK, ExtraColumns, LoadedMotion, Motion, random_base, random_motion
 from .payloads import payload_torque
+from .position_units import heading, position_units
 from .presliding import Presliding
 from .regrouping import Regrouped, regroup
 from .term import Term, TermBlock, load_motion
@@ -125,6 +126,11 @@ class TorqueModel(RegressorModel):
         for regrouped in self.regrouped:
             del units[regrouped.name]
         return tuple(units.values())
+
+    @property
+    def torque_unit(self) -> str:
+        """Unit of the torques of the joints: N·m, N where all slide, "N·m or N" where some do."""
+        return heading(position_units(self.leg), "torque")
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:

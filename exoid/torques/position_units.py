@@ -36,6 +36,6 @@ def position_units(leg: Leg) -> tuple[PositionUnit, ...]:
     return tuple(each)
 
 
-def heading(units: Sequence[PositionUnit]) -> str:
-    """Unit of a column of positions, "deg or mm" where some joints slide."""
-    return " or ".join(dict.fromkeys("deg" if unit.name == "°" else "mm" for unit in units))
+def heading(units: Sequence[PositionUnit], quantity: str = "angle") -> str:
+    """Unit of a column of positions, velocities or torques, "deg or mm" where some joints slide."""
+    return " or ".join(dict.fromkeys(unit.axes[quantity].split("[")[1].rstrip("]") for unit in units))

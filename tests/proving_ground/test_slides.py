@@ -23,6 +23,7 @@ def test_dry_friction_of_slides_is_that_of_mujoco(seed):
     log = simulate(machine, 8.0).recording
     for terms in (None, (exoid.Coulomb(), exoid.Viscous(), exoid.Armature(), exoid.Offset())):
         estimate = exoid.identify(machine.leg(), log, terms)
+        assert {*estimate.model.torque_unit.split(" or ")} == {"N" if j.slides else "N·m" for j in machine.joints}
         for joint in machine.joints:
             if joint.slides and not joint.passive:
                 assert estimate[f"c0_{joint.name}"].value == pytest.approx(joint.friction.c0, rel=0.15), str(machine)
