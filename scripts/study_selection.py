@@ -24,7 +24,7 @@ from exoid import Armature, Leg, Recording
 from exoid._typing import FloatArray
 from exoid.identification.selection import Selection, select_terms
 from exoid.identification.selection.held_out import fast_blocks
-from exoid.identification.selection.patterns import Column, JointFriction, Pattern, terms_of, zeros_of
+from exoid.identification.selection.patterns import Column, JointFriction, Pattern, terms_of
 from exoid.signals import ZeroPhase
 from exoid.torques import TorqueModel
 
@@ -62,8 +62,11 @@ class Simulation:
     @property
     def zero(self) -> dict[str, float]:
         """Coefficients that the true terms do not use."""
-        pairs = zip(self.columns, self.leg.joint_labels, strict=True)
-        return {name: 0.0 for columns, label in pairs for name in zeros_of(columns, label)}
+        zero = dict[str, float]()
+        for columns, label in zip(self.columns, self.leg.joint_labels, strict=True):
+            used, every = {c.symbol for c in columns}, (symbol for c in columns for symbol in c.term.symbols)
+            zero |= {f"{symbol}_{label}": 0.0 for symbol in every if symbol not in used}
+        return zero
 
     def record(self, seed: int) -> Recording:
         """Move all joints, and compute torques."""

@@ -8,7 +8,7 @@ from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, ordered
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
-from exoid.signals import Poses, Preparation, Recording
+from exoid.signals import Poses, Recording
 from exoid.torques import Term
 
 from .drives import Drives
@@ -25,7 +25,6 @@ def check(
     terms: Sequence[Term] | None = None,
     *,
     cutoff: float | None = None,
-    preparation: Preparation | str | None = None,
     known: Mapping[str, float] | None = None,
     actuators: Drives | None = None,
 ) -> tuple[Finding, ...]:
@@ -38,7 +37,6 @@ def check(
         recordings: One recording or several of the same leg, with torques.
         terms: Terms besides rigid-body dynamics; None for those of :func:`exoid.identify`.
         cutoff: Cut-off frequency of the parallel filter [Hz]; None to choose it.
-        preparation: Another way from a recording to rows, or its name.
         known: Parameters that are known, by name.
         actuators: Drives of the recordings, as for :func:`exoid.identify`; None for torques.
 
@@ -56,11 +54,10 @@ def check(
     """
     data = check_recordings(recordings)
     try:
-        found = identify(leg, data, terms, cutoff=cutoff, preparation=preparation, known=known, actuators=actuators)
+        return identify(leg, data, terms, cutoff=cutoff, known=known, actuators=actuators).findings
     except ExoidError as error:
         # what is wrong with the drives is no finding of the log, and raises here
         (group,) = begin(leg, data, terms, wls, PriorKnowledge(known or {}), actuators=actuators).groups
         names = group.model.names
         refused = Finding("not-identifiable", "", 1.0, "1", "error", error.what, error.remedy, parameters=names)
         return ordered((*signal_findings(group.model, group.data), refused))
-    return found.findings

@@ -162,10 +162,8 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
             remedy = "correct the time stamps of the log; validation shifts its torques by the same"
             interval = (delay - float(half[k]), delay + float(half[k]))
             found.append(Finding("torque-delay", names[k], delay, "s", "info", message, remedy, interval))
-        if not by_joint:  # logs on disk stay there
-            groups.append(group)
-            continue
-        chosen = (group.model.select(one) for one in group.data)
+        chosen = (group.model.select(one) for one in group.data if by_joint)
         data = [one if isinstance(one, Poses) else without_torque_delay(one, by_joint) for one in chosen]
-        groups.append(replace(group, data=data, delays=late, findings=tuple(found)))
+        shifted = replace(group, data=data, delays=late, findings=tuple(found))
+        groups.append(shifted if by_joint else group)  # without delays, logs on disk stay there
     return replace(problem, groups=tuple(groups))

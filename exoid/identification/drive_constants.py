@@ -39,13 +39,6 @@ ADVICE, COMMAND = (
 )
 
 
-class _Point(NamedTuple):
-    """Where the equations are linearised: parameters β (P,), and the constants by name."""
-
-    values: FloatArray
-    constants: dict[str, float]
-
-
 def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     """Find unknown constants of drives beside the parameters of a leg; the actuators of the result have them."""
     # Each round solves τ(i, κ₀) − τ_payload = W β − s δ, see `exoid.identification.drives.DriveModel`, and
@@ -54,18 +47,18 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
     assert actuators is not None
     constants = unknown_constants(actuators)
     names = tuple(each.name for each in constants)
-    start = {each.name: each.constant.start for each in constants}
-    point, held, backwards = _Point(fit_linear(given, estimator).fit.solution.values, start), dict[str, str](), 0
+    kappa = {each.name: each.constant.start for each in constants}
+    beta, held, backwards = fit_linear(given, estimator).fit.solution.values, dict[str, str](), 0
     for _ in range(ROUNDS):
         free = tuple(each for each in constants if each.name not in held)
-        found = with_constants(actuators, point.constants)
+        found = with_constants(actuators, kappa)
         given_model = model.leg, model.terms, model.rigid, model.regrouped
         again = partial(recompute, found)
         if isinstance(group.data, Recordings):  # those on disk stay there
             data: Data = group.data.changed(again)
         else:
             data = [again(one) if isinstance(one, Recording) else one for one in group.data]
-        linear = DriveModel(*given_model, model.separate, point=point.values, constants=free, actuators=found)
+        linear = DriveModel(*given_model, model.separate, point=beta, constants=free, actuators=found)
         problem = given.changed(data=data, model=linear, actuators=found)
         try:
             fit = fit_linear(problem, estimator).fit
@@ -73,9 +66,9 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             if any(name in error.what for name in names):
                 error.remedy, error.command = ADVICE, COMMAND
             raise
-        parts = (np.split(x, [len(point.values)]) for x in (fit.solution.values, np.diag(fit.solution.covariance)))
+        parts = (np.split(x, [len(beta)]) for x in (fit.solution.values, np.diag(fit.solution.covariance)))
         (values, moved), (_, variances) = parts
-        step = _Step(point, free, values, moved, np.sqrt(variances))
+        step = _Step(beta, kappa, free, values, moved, np.sqrt(variances))
         if step.is_small and not step.at_bounds:
             break
         turned = [each.name for each, ratio in zip(free, step.moved / step.sizes, strict=True) if ratio >= 1.0]
@@ -90,7 +83,7 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             raise NotIdentifiableError(what, remedy=remedy, command=command, parameters=tuple(turned))
         if step.is_small:
             held.update(step.at_bounds)
-        point = step.take()
+        beta, kappa = step.take()
     for each, value, std in zip(step.constants, step.sizes, step.std, strict=True):
         if std > WEAKLY * value:
             what = f"{each.name} = {value:.3g} ± {std:.2g} {each.constant.unit} is not determined by the recordings"
@@ -98,10 +91,10 @@ def search_constants(given: Problem, estimator: Estimator) -> Fitted:
             raise NotIdentifiableError(what, remedy=remedy, command=command)
     failure = f"{', '.join(names)} have not settled in {ROUNDS} rounds"
     unsettled = () if step.is_small and not step.at_bounds else (failure,)
-    units, sizes = tuple(each.constant.unit for each in constants), np.array([point.constants[name] for name in names])
+    units, sizes = tuple(each.constant.unit for each in constants), np.array([kappa[name] for name in names])
     nonlinear = NonlinearParameters(names, units, sizes, np.zeros((len(names),) * 2), tuple(held))
-    problem = problem.changed(actuators=with_constants(actuators, point.constants))
-    return Fitted(problem, fit, (model,), nonlinear, (*fit.warnings, *held.values(), *unsettled))
+    problem = problem.changed(actuators=with_constants(actuators, kappa))
+    return Fitted(problem, fit, (model,), (*fit.warnings, *held.values(), *unsettled), nonlinear)
 
 
 def _negative(group: Group, scales: Sequence[DriveConstant]) -> list[str]:
@@ -150,18 +143,19 @@ def refuse_unknown_scale(
 
 
 class _Step(NamedTuple):
-    """Solution of a round: where it was linearised, parameters β (P,), changes δ of constants and their errors (K,)."""
+    """Solution of a round."""
 
-    point: _Point
-    constants: tuple[DriveConstant, ...]
-    values: FloatArray
-    moved: FloatArray
-    std: FloatArray
+    beta: FloatArray  # parameters β₀ at which the equations were linearised, (P,)
+    kappa: dict[str, float]  # constants κ₀ there
+    constants: tuple[DriveConstant, ...]  # those that were free, K of them
+    values: FloatArray  # parameters β, (P,)
+    moved: FloatArray  # changes δ of the constants, (K,)
+    std: FloatArray  # their errors, (K,)
 
     @property
     def sizes(self) -> FloatArray:
         """Constants at which the equations were linearised, (K,)."""
-        return np.array([self.point.constants[each.name] for each in self.constants])
+        return np.array([self.kappa[each.name] for each in self.constants])
 
     @property
     def is_small(self) -> bool:
@@ -182,12 +176,12 @@ class _Step(NamedTuple):
                 found[each.name] = f"{each.name} is at its {side} bound, {where}, and held there"
         return found
 
-    def take(self) -> _Point:
+    def take(self) -> tuple[FloatArray, dict[str, float]]:
         """Go on to constants within their bounds."""
-        found = dict(self.point.constants)
+        found = dict(self.kappa)
         ratios = 1.0 / np.clip(1.0 - self.moved / self.sizes, 1.0 / STRIDE, STRIDE)
         for each, ratio in zip(self.constants, ratios.tolist(), strict=True):
             found[each.name] = min(max(found[each.name] * ratio, each.constant.lower), each.constant.upper)
         scales = [ratio for each, ratio in zip(self.constants, ratios, strict=True) if each.constant.is_scale]
         scale = float(np.exp(np.mean(np.log(scales)))) if scales else 1.0
-        return _Point(self.point.values + scale * (self.values - self.point.values), found)
+        return self.beta + scale * (self.values - self.beta), found

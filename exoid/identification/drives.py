@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators, Coupling, Drive, Motor
-from exoid.actuators.constants import DriveConstant, unknown_constants, with_constants
-from exoid.errors import BadArgumentError, NotSupportedError, within
+from exoid.actuators.constants import DriveConstant, unknown_constants
+from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, Recordings
@@ -24,19 +24,6 @@ from .group_rows import Data
 
 Drives = Mapping[str, Drive | Coupling] | Actuators
 """Drive of each joint by its name, and couplings by any name; or actuators of the leg."""
-
-
-def drive_groups(
-    pairs: Mapping[str, tuple[Leg, Data]], drives: Drives
-) -> tuple[dict[str, tuple[Leg, Data]], dict[str, Actuators]]:
-    """Compute torques before anything else looks at the recordings; some constants of the actuators may be unknown."""
-    driven, mounted = {}, {}
-    for name, (leg, data) in pairs.items():
-        with within(name):
-            mounted[name] = Actuators.of(leg, drives)
-            start = {each.name: each.constant.start for each in unknown_constants(mounted[name])}
-            driven[name] = leg, with_constants(mounted[name], start).torques(data)
-    return driven, mounted
 
 
 def refuse_beside_unknown(

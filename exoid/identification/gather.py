@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 
 import numpy as np
 
 from exoid.actuators import Actuators, motor_terms
-from exoid.actuators.constants import unknown_constants
+from exoid.actuators.constants import unknown_constants, with_constants
 from exoid.errors import BadArgumentError, NotSupportedError, within
 from exoid.estimate.finding import Finding
 from exoid.estimate.late_velocity import late_velocities
@@ -22,7 +22,7 @@ from exoid.torques import CoordinateTerm, Term, TorqueModel
 from exoid.torques.catalog import terms_of
 
 from .drive_constants import refuse_unknown_scale
-from .drives import Drives, computed_joints, drive_groups, known_rotors, refuse_beside_unknown
+from .drives import Drives, computed_joints, known_rotors, refuse_beside_unknown
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.repeats import counted_once
@@ -62,7 +62,11 @@ def begin(
         raise BadArgumentError(what, remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     mounted: dict[str, Actuators] = {}
     if actuators is not None:
-        pairs, mounted = drive_groups(pairs, actuators)
+        for name, (of_group, data) in pairs.items():  # torques come before anything else looks at the recordings
+            with within(name):
+                mounted[name] = Actuators.of(of_group, actuators)
+                start = {each.name: each.constant.start for each in unknown_constants(mounted[name])}
+                pairs[name] = of_group, with_constants(mounted[name], start).torques(data)
         name, drives = next(iter(mounted.items()))  # drives of all groups are alike
         computed = computed_joints(*pairs[name], drives)
         if terms is None:  # coupled motors have terms of their own
@@ -99,8 +103,8 @@ def gather(
     if any(one.torques is not None and not one.torques.measured.all() for one in every):
         missing = unmeasured_joints(problem.groups[0].model.leg.joint_labels, every)
         terms = terms_where_measured(problem, estimator, missing)
-        groups = [replace(group, findings=unmeasured_finding(group)) for group in problem.groups]
-        problem = _remodelled(replace(problem, groups=tuple(groups), terms=terms), own)
+        told = (replace(group, findings=(*group.findings, *unmeasured_findings(group))) for group in problem.groups)
+        problem = _remodelled(replace(problem, groups=tuple(told), terms=terms), own)
     if len(every) > len(problem.groups):
         problem = replace(problem, groups=tuple(counted_once(group) for group in problem.groups))
     if any(one.base_turning > 0.05 for one in every):
@@ -118,8 +122,7 @@ def gather(
             powers = [one.acceleration_power for one in group.summaries if one.acceleration_power]
             chosen = preparation or (preparation_from(powers) if cutoff is None else ZeroPhase(cutoff))
             refuse_dead_torques(group.model, group.summaries)
-        without = unmeasured_joints(group.model.leg.joint_names, group.summaries)
-        groups.append(replace(group, preparation=chosen, unmeasured=without, memory_share=1.0 / len(problem.groups)))
+        groups.append(replace(group, preparation=chosen, memory_share=1.0 / len(problem.groups)))
         if group.actuators is not None and unknown_constants(group.actuators):
             refuse_unknown_scale(group.actuators, group.summaries, problem.given)
     return replace(problem, groups=tuple(groups))
@@ -196,16 +199,12 @@ def terms_where_measured(problem: Problem, estimator: Estimator, unmeasured: Seq
     return tuple(kept)
 
 
-def unmeasured_finding(group: Group) -> tuple[Finding, ...]:
+def unmeasured_findings(group: Group) -> Iterator[Finding]:
     """Say which joints of a group have no torque."""
-    summaries, found = group.summaries, list(group.findings)
-    torques = [one.torques for one in summaries if one.torques is not None]
+    torques = [one.torques for one in group.summaries if one.torques is not None]
     for place, joint in enumerate(group.model.leg.joint_names):
-        without = sum(not of_one.measured[place] for of_one in torques)
-        if not without:
-            continue
-        logs = f"{without} of {len(torques)} logs"
-        message = f"the torque of {joint} was not measured in {logs}, which have no rows of it"
-        remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
-        found.append(Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy))
-    return tuple(found)
+        if without := sum(not of_one.measured[place] for of_one in torques):
+            logs = f"{without} of {len(torques)} logs"
+            message = f"the torque of {joint} was not measured in {logs}, which have no rows of it"
+            remedy = "record it, or declare the joint passive if it has no actuator (passive=, --passive)"
+            yield Finding("unmeasured-torque", joint, without / len(torques), "1", "info", message, remedy)

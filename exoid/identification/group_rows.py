@@ -56,7 +56,6 @@ class Group:
     data: Data  # recordings and poses, in memory or on disk
     preparation: Preparation | None = None  # filter and differentiation; None while it is not chosen
     links: str | None = None  # links that rest by an unknown wrench; None where no row depends on contacts
-    unmeasured: tuple[str, ...] = ()  # joints without torque in any of the recordings, which have no rows
     summaries: Sequence[RecordingSummary] = ()  # of the recordings; empty before they were read
     findings: tuple[Finding, ...] = ()  # what was mended in the logs
     delays: FloatArray | None = None  # delays that were taken out of the torques [s], (n,); None for none

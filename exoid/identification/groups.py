@@ -71,9 +71,7 @@ def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> 
             remedy = "identify legs of one design, with the same joints, together"
             raise BadArgumentError(what, remedy=remedy)
     rigid = model.leg.parameter_names
-    if own is None:
-        _refuse_other_designs(groups)
-        return tuple(name for name in model.names if name not in rigid)
+    own = [name for name in model.names if name not in rigid] if own is None else own
     asked = (own,) if isinstance(own, str) else tuple(own)
     symbols: dict[str, set[str]] = {}
     for block in model.blocks:
@@ -87,23 +85,14 @@ def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> 
         if regrouped.name in asked:
             raise BadArgumentError(f"{regrouped}", remedy=f"name {' and '.join(regrouped.into)} as own instead")
     wanted = {name for given in asked for name in symbols.get(given, {given})}
-    if not set(rigid) <= wanted:
-        _refuse_other_designs(groups)
+    if not set(rigid) <= wanted:  # those that are shared have to mean the same: regressors are equal but for rounding
+        motion = np.random.default_rng(0).standard_normal((3, 10, len(model.leg.joint_names)))
+        expected = model.leg.regressor(*motion)
+        for other in groups[1:]:
+            if np.abs(other.model.leg.regressor(*motion) - expected).max() > 1e-9 * np.abs(expected).max():
+                what = f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ"
+                raise BadArgumentError(what, remedy="identify them one by one")
     return tuple(name for name in model.names if name in wanted)
-
-
-def _refuse_other_designs(groups: Sequence[Group]) -> None:
-    """Refuse legs whose rigid-body parameters do not mean the same."""
-    leg = groups[0].model.leg
-    motion = np.random.default_rng(0).standard_normal((3, 10, len(leg.joint_names)))
-    expected = leg.regressor(*motion)
-    for other in groups[1:]:
-        found = other.model.leg.regressor(*motion)
-        # Regressors of legs of one design differ by less than this part of the largest entry
-        if np.abs(found - expected).max() > 1e-9 * np.abs(expected).max():
-            what = f"legs of {groups[0].name} and {other.name} are not of one design: lengths or axes differ"
-            remedy = "identify them one by one"
-            raise BadArgumentError(what, remedy=remedy)
 
 
 def shared_agreement(

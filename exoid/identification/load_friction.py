@@ -6,7 +6,6 @@ import numpy as np
 
 from exoid._typing import FloatArray
 from exoid.errors import NotIdentifiableError
-from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.regression.least_squares import ROUNDING, TINY, factorize, scaled_lstsq, stack
 from exoid.torques.linearised import Linearised
 
@@ -37,8 +36,7 @@ def fit_under_load(given: Problem, estimator: Estimator) -> Fitted:
             break
     # After the last step, a warning is due if predictions still change by more than this part of the residual
     unsettled = () if change <= 0.02 else (f"the fit has not settled in {STEPS} steps: leave some terms out",)
-    settled = given.single.model.loaded_by(values)
-    return Fitted(problem, fit, (settled,), NO_NONLINEAR_PARAMETERS, (*fit.warnings, *unsettled))
+    return Fitted(problem, fit, (given.single.model.loaded_by(values),), (*fit.warnings, *unsettled))
 
 
 def _start(given: Problem) -> FloatArray:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import NotSupportedError
 from exoid.estimate.finding import Finding
-from exoid.estimate.nonlinear import NonlinearParameters
+from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS, NonlinearParameters
 from exoid.regression.least_squares import RFactor, Solution, solve
 from exoid.regression.parameters import NO_PRIOR_KNOWLEDGE, ParameterLayout, PriorKnowledge
 from exoid.regression.problem import Fit
@@ -138,8 +138,8 @@ class Fitted(NamedTuple):
     problem: Problem  # rows, about the solution linear in β and in the constants of drives that are not held
     fit: Fit  # solution in both
     models: tuple[TorqueModel, ...]  # torque model of each group, loaded by the fitted rigid bodies
-    nonlinear: NonlinearParameters  # constants of drives that were found, without covariance
     warnings: tuple[str, ...]  # warnings for the reader
+    nonlinear: NonlinearParameters = NO_NONLINEAR_PARAMETERS  # constants of drives that were found, without covariance
     doubt: FloatArray | None = None  # covariance by errors of numbers beside the parameters, (P, P)
     findings: tuple[Finding, ...] = ()  # what the fit shows, beside the findings of each group
 

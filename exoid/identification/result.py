@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -127,9 +128,9 @@ class Result:
         places = every[: len(values)]  # constants of drives stand behind the others
         covariance = self.covariance[np.ix_(places, places)]
         supports = tuple(_support(problem.groups[k], self.fitted.values(k)) for k in parts) if standing else ()
-        main, told = _at_one_cutoff([problem.groups[k] for k in parts], supports) if standing else (rows, [])
-        own = (rms_residual(each, solution.values[every]) for each in rows.by_row)
-        residual_rms = np.array([_of_joint(told, x) for x in model.leg.joint_names] if standing else [*own])
+        main, residual_rms = rows, np.array([rms_residual(each, solution.values[every]) for each in rows.by_row])
+        if standing:
+            main, residual_rms = _at_one_cutoff(model.leg.joint_names, [problem.groups[k] for k in parts], supports)
         factors = [each for one in self._ordinary(parts) for each in one.r_factors]
         assert main.preparation is not None
         return Estimate(
@@ -244,28 +245,25 @@ def _support(group: Group, values: FloatArray) -> Support:
     return Support(group.links or "", seconds, dict(zip(group.model.row_names, rms, strict=True)))
 
 
-def _at_one_cutoff(groups: Sequence[Group], supports: Sequence[Support]) -> tuple[Group, list[Support]]:
+def _at_one_cutoff(
+    joints: Sequence[str], groups: Sequence[Group], supports: Sequence[Support]
+) -> tuple[Group, FloatArray]:
     """Choose rows of feet without plates, for the longest time, the most of them; and residuals at their cut-off."""
+    # RMS residual of the rows of a joint, or else of closed chains, whose rows have the noise of one torque
 
     def rank(k: int) -> tuple[bool, float, int, str]:
         model = groups[k].model
         links = model.links if isinstance(model, SupportModel) and not model.plates else ()
         return bool(links), round(supports[k].seconds, 6), len(links), supports[k].name  # whatever the order of logs
 
-    main, told = groups[max(range(len(groups)), key=rank)], []
+    main = groups[max(range(len(groups)), key=rank)]
     shares = [cast(Preparation, x.preparation).independent_fraction(x.motions[0].sample_rate) for x in (main, *groups)]
-    for one, share in zip(supports, shares[1:], strict=True):  # of white noise
-        size = math.sqrt(shares[0] / share)
-        told.append(replace(one, residual_rms={row: size * rms for row, rms in one.residual_rms.items()}))
-    return main, told
-
-
-def _of_joint(supports: Sequence[Support], joint: str) -> float:
-    """RMS residual of the rows of a joint, or else of closed chains, whose rows have the noise of one torque."""
-    own = [(one.residual_rms[joint], one.seconds) for one in supports if joint in one.residual_rms]
-    loops = [(rms, one.seconds) for one in supports for name, rms in one.residual_rms.items() if name.startswith(LOOP)]
-    squares = np.array(own or loops or [(0.0, 1.0)])
-    return float(np.sqrt(np.average(squares[:, 0] ** 2, weights=squares[:, 1])))
+    of_rows = defaultdict[str, list[tuple[float, float]]](list)  # mean squares, of white noise, and seconds
+    for one, share in zip(supports, shares[1:], strict=True):
+        for row, rms in one.residual_rms.items():
+            of_rows[LOOP if row.startswith(LOOP) else row].append((shares[0] / share * rms**2, one.seconds))
+    squares = [np.array(of_rows.get(joint) or of_rows.get(LOOP) or [(0.0, 1.0)]).T for joint in joints]
+    return main, np.array([math.sqrt(np.average(mean, weights=seconds)) for mean, seconds in squares])
 
 
 def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:

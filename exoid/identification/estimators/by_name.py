@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from exoid.errors import BadArgumentError, nearest
-from exoid.estimate.nonlinear import NO_NONLINEAR_PARAMETERS
 from exoid.identification.problem import Fitted, Problem
 from exoid.regression.fit import ols, wls
 from exoid.regression.problem import Fit
@@ -46,4 +45,4 @@ def fit_linear(problem: Problem, estimator: Estimator) -> Fitted:
         found = f"{len(fit.weights)} weights" if isinstance(fit, Fit) else type(fit).__name__
         what = f"the estimator {name_of(estimator)} returned {found}"
         raise BadArgumentError(what, remedy=f"let it return a Fit with one weight for each of the {count} R factors")
-    return Fitted(problem, fit, tuple(group.model for group in problem.groups), NO_NONLINEAR_PARAMETERS, fit.warnings)
+    return Fitted(problem, fit, tuple(group.model for group in problem.groups), fit.warnings)

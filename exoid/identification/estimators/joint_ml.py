@@ -13,7 +13,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import wls
+from exoid.regression.fit import correlated_uncertainty, wls
 from exoid.regression.problem import Fit
 from exoid.regression.residuals import fit_noise
 from exoid.signals import Poses, Recording, ZeroPhase, choose_preparation
@@ -103,7 +103,9 @@ class JointML:
         solution = found.solution._replace(inverse=first.solution.inverse, prior_noise=first.solution.prior_noise)
         noises = fit_noise(problem, Fit(solution, first.weights), solution.covariance)
         warnings = () if found.converged else ("the joint fit of motion and parameters has not converged: prefer wls",)
-        name, uncertainty = f"ml(spacing={found.spacing:.4g})", found.uncertainty()._replace(noises=noises)
+        rows = found.system.influence(found.state, found.levels)  # noise of angles and torques may be correlated
+        uncertainty = correlated_uncertainty(rows, Fit(found.solution, [1.0]))._replace(noises=noises)
+        name = f"ml(spacing={found.spacing:.4g})"
         return Fit(solution, first.weights, warnings=warnings, uncertainty=uncertainty, name=name)
 
 

@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import correlated_uncertainty
 from exoid.regression.least_squares import RANK_OF_SQUARES, RFactor, Solution
-from exoid.regression.problem import Fit, Uncertainty
 from exoid.torques import TorqueModel
 
 from .motion_system import Levels, MotionState, Moving, System
@@ -35,11 +33,6 @@ class MotionFit(NamedTuple):
     system: System  # the least-squares problem
     state: MotionState  # motions and β at its solution
 
-    def uncertainty(self) -> Uncertainty:
-        """Uncertainty of β for noise of angles and torques that is correlated, as their residuals are."""
-        rows = self.system.influence(self.state, self.levels)
-        return correlated_uncertainty(rows, Fit(self.solution._replace(values=self.state.values), [1.0]))
-
 
 def fit_motion(
     model: TorqueModel,
@@ -55,12 +48,13 @@ def fit_motion(
     # trace of the hat matrix, estimated by random vectors (the same in every round).
     system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving])
     state = system.begin(values)
+    redundancy = max(1, int(np.sum(system.counts())) - sum(c.size for c in state.coefficients) - len(values))
     levels = system.levels(system.residuals(state), None)
     for _ in range(30):  # Gauss–Newton steps
         rows = system.linearise(state, levels)
         reduced = [eliminate(trajectory, part) for trajectory, part in zip(system.trajectories, rows, strict=True)]
         matrix, gradient = system.join(reduced)
-        solution = solve(_as_triangle(matrix, gradient + matrix @ state.values, system.redundancy(state)))
+        solution = solve(_as_triangle(matrix, gradient + matrix @ state.values, redundancy))
         before, state, full = state, *system.descend(state, levels, reduced, solution.values - state.values)
         taken = system.taken(rows, reduced, solution.covariance, levels)
         old, levels = levels, system.levels(system.residuals(state), taken)

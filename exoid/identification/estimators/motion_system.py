@@ -129,10 +129,8 @@ class System(NamedTuple):
     def squares(self, state: MotionState, levels: Levels) -> float:
         """Weighted sum of squares, priors among them."""
         believed = float(((self.priors @ np.append(state.values, -1.0)) ** 2).sum())
-        return believed + sum(
-            float(((residual / level) ** 2).sum())
-            for residual, level in zip(self.residuals(state), levels, strict=True)
-        )
+        pairs = zip(self.residuals(state), levels, strict=True)
+        return believed + sum(float(((residual / level) ** 2).sum()) for residual, level in pairs)
 
     def levels(self, residuals: Residuals, taken: FloatArray | None) -> Levels:
         """Noise levels, corrected for what the fit has taken away."""
@@ -142,11 +140,6 @@ class System(NamedTuple):
         each = zip(squares, self.counts(), taken, (QUIET, quiet), strict=True)
         left = ((total / np.maximum(count - lost, 1.0), least) for total, count, lost, least in each)
         return Levels(*(np.maximum(np.sqrt(square), least) for square, least in left))
-
-    def redundancy(self, state: MotionState) -> int:
-        """Measured numbers less unknowns."""
-        unknown = sum(c.size for c in state.coefficients) + len(state.values)
-        return max(1, int(np.sum(self.counts())) - unknown)
 
     def counts(self) -> tuple[FloatArray, FloatArray]:
         """Angles and usable torques of each joint."""
@@ -213,16 +206,12 @@ def respond(model: TorqueModel, values: FloatArray, motion: Motion) -> tuple[Flo
     """Regressor W, (N, n, P), and ∂τ_i/∂(q, v, a)_j of W β by central differences, (3, N, n, n) with joint j last."""
     samples, joints = motion.q.shape
     to_motion = np.empty((3, samples, joints, joints))
-    for kind, step in enumerate(STEPS):
+    for k, (name, step) in enumerate(zip(("q", "v", "a"), STEPS, strict=True)):
         for joint in range(joints):
-            sides = []
-            for by in (step, -step):
-                moved = [motion.q, motion.v, motion.a]
-                moved[kind] = moved[kind].copy()
-                moved[kind][:, joint] += by
-                q, v, a = moved
-                sides.append(torque(model.columns(Motion(q, v, a, motion.torso)), values))
-            to_motion[kind, :, :, joint] = (sides[0] - sides[1]) / (2.0 * step)
+            by = step * (np.arange(joints) == joint)
+            sides = (motion._replace(**{name: motion[k] + side}) for side in (by, -by))
+            above, below = (torque(model.columns(side), values) for side in sides)
+            to_motion[k, :, :, joint] = (above - below) / (2.0 * step)
     return model.columns(motion).transpose(2, 1, 0), to_motion
 
 

@@ -69,10 +69,10 @@ class NuisanceColumns:
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
         """Write the columns."""
         of_leg = np.tensordot(self.values[: len(self.carried)] + self.carried, columns[: len(self.carried)], axes=1)
-        torque = np.tensordot(self.values, columns[: len(self.values)], axes=1)
-        torque += 0.0 if motion.payload is None else motion.payload.T
+        known = np.zeros_like(of_leg) if motion.payload is None else motion.payload.T
+        torque = known + np.tensordot(self.values, columns[: len(self.values)], axes=1)
         measured = np.zeros_like(torque) if motion.measured is None else motion.measured.T
-        at = _Point(self, motion, columns[: len(self.values)], torque, of_leg, measured)
+        at = _Point(self, motion, columns[: len(self.values)], torque, of_leg, measured, known)
         alike: dict[tuple[str, int], list[tuple[FloatArray, int]]] = {}
         for (kind, place, other), of_column in zip(self.columns, out, strict=True):
             alike.setdefault((kind, other), []).append((of_column, place))
@@ -92,11 +92,7 @@ class _Point:
     torque: FloatArray  # predicted torque [N·m], (n, N)
     of_leg: FloatArray  # its rigid-body part [N·m], (n, N)
     measured: FloatArray  # measured torque, zero where there is none [N·m], (n, N)
-
-    @cached_property
-    def known(self) -> FloatArray:
-        """Torque of payloads less that of measured wrenches [N·m], (n, N)."""
-        return np.zeros_like(self.torque) if self.motion.payload is None else self.motion.payload.T
+    known: FloatArray  # torque of payloads less that of measured wrenches [N·m], (n, N)
 
     @cached_property
     def leg(self) -> Leg:

@@ -31,7 +31,6 @@ class CheckedFit(NamedTuple):
 
     fitted: FittedLeg  # the fit, and a sample of its data
     evidence: Evidence  # rows of the sample
-    std: FloatArray  # standard deviations of the parameters, (P,)
     below: NDArray[np.bool_]  # parameters that are negative although they cannot be, (P,)
     spread: FloatArray  # standard deviation of the torque [N·m], 0 for a joint without rows, (n,)
     nrmse: FloatArray  # RMS residual over that, (n,)
@@ -57,7 +56,7 @@ class CheckedFit(NamedTuple):
         below = (values < -IMPOSSIBLE * std) & (values < 0.0) & (shares > 0.02) & never_negative(fitted.model)
         nrmse = np.divide(rms, spread, out=np.zeros(n), where=spread > 0.0)
         persistence = product / np.maximum(power, np.finfo(float).tiny)
-        return cls(fitted, evidence, std, below, spread, nrmse, persistence, moving)
+        return cls(fitted, evidence, below, spread, nrmse, persistence, moving)
 
 
 def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
@@ -189,7 +188,7 @@ def turned_segment(checked: CheckedFit, least: float) -> Iterator[Finding]:
             continue
         cross, dot = found[:, 0] * drawn[:, 1] - found[:, 1] * drawn[:, 0], (found * drawn).sum(axis=1)
         turns = np.arctan2(cross, dot)  # about one axis
-        errors = _segments(leg, checked.std)[limb.joints, :2].max(axis=1) / size
+        errors = _segments(leg, np.sqrt(np.diag(checked.fitted.covariance)))[limb.joints, :2].max(axis=1) / size
         weights, candidates = errors.clip(1e-3, 1e3) ** -2.0, []
         for first in range(len(turns)):
             angle, error = float(np.average(turns[first:], weights=weights[first:])), float(errors[first:].min())

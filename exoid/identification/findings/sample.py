@@ -118,12 +118,6 @@ def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:
     return [data[int(k)] for k in chosen]
 
 
-def segments(recording: Recording) -> list[Recording]:
-    """Cut ten segments out of a recording of more than 100 000 samples, spread evenly, to look at its channels."""
-    starts = np.linspace(0, len(recording) - 10_000, 10).astype(int).tolist()
-    return [recording] if len(recording) <= 100_000 else [recording.slice(k, k + 10_000) for k in starts]
-
-
 def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:
     """Form rows of parameters and nuisance columns, in the same pass also of friction of other forms if asked for."""
     ready, errors = [], []

@@ -78,9 +78,8 @@ def find_faults(fitted: FittedLeg, evidence: Evidence | None = None) -> tuple[tu
                 delta = float(np.clip(likely[0].delta[0], -most, most))
                 # a fit that has taken part of a scale into its parameters asks for too small a factor, or too large
                 delta = float(np.expm1(delta)) if best.kind == "torque-scale" else delta
-                fitted = fitted._replace(
-                    data=tuple(_corrected(one, best, delta, fitted.clock_start(one)) for one in fitted.data)
-                )
+                data = tuple(_corrected(one, best, delta, fitted.clock_start(one)) for one in fitted.data)
+                fitted = fitted._replace(data=data)
             applied, others = beside.faults.pop(best, (0.0, tuple(likely[1:])))  # one that was found before grows
             beside.faults[best] = _together(best, applied, delta), others
             if best.is_corrected:

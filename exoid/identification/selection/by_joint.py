@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.errors import ExoidError, NotIdentifiableError
+from exoid.errors import NotIdentifiableError
 from exoid.estimate.estimate import Estimate
 from exoid.identification.identify import FitOptions, identify
 from exoid.leg.leg import Leg
@@ -18,7 +18,7 @@ from exoid.torques import Armature, Term
 from exoid.torques.catalog import radians
 
 from .held_out import held_out_errors
-from .patterns import ALWAYS, PLAIN, Columns, absent, terms_of, zeros_of
+from .patterns import ALWAYS, PLAIN, Columns, absent, terms_of
 from .per_joint import Choice, Found, Search, search_joint_by_joint
 
 ALIKE = 1.03  # ratio of errors up to which models predict alike, by seeds below 100 of the proving ground
@@ -129,17 +129,14 @@ def _scored(search: Search, name: str, choice: Choice) -> Candidate:
     leg, friction, known = search.leg, list[Term](), dict[str, float]()
     each = zip(choice.columns, leg.joint_names, leg.joint_labels, radians(leg).tolist(), strict=True)
     for columns, joint, label, radian in each:
-        friction += terms_of((*columns, *absent(columns)), joint, radian)
-        zero = *zeros_of(columns, label), *(f"{column.symbol}_{label}" for column in absent(columns))
-        known |= dict.fromkeys(zero, 0.0)
+        every, chosen = (*columns, *absent(columns)), {column.symbol for column in columns}
+        friction += terms_of(every, joint, radian)
+        symbols = (symbol for column in every for symbol in column.term.symbols)
+        known |= {f"{symbol}_{label}": 0.0 for symbol in symbols if symbol not in chosen}  # what the choice leaves out
     terms, delay = (*friction, Armature(), *search.beside), "auto" if search.late else None
     known |= search.known
-    try:  # joints are loaded by the rigid bodies of the choice
-        design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])
-        nrmse, of_folds, fast = held_out_errors(design, search.recordings, search.folds)
-    except ExoidError as error:
-        nothing, folds = np.full(len(choice.columns), np.nan), np.full(search.folds, np.nan)
-        return Candidate(name, terms, known, delay, 0, error.what, nothing, folds, nothing)
+    design = search.design(choice.columns, choice.base[: len(leg.parameter_names)])  # joints are loaded by its bodies
+    nrmse, of_folds, fast = held_out_errors(design, search.recordings, search.folds)
     failure = "" if np.isfinite(of_folds).all() else "rows are too few for all folds"
     settings = [{(key, getattr(c, key)) for c in one for key in ("length", "velocity")} for one in choice.columns]
     numbers = len(choice.base) + sum(map(len, choice.columns)) + sum(bool(x) for one in settings for _, x in one)

@@ -171,13 +171,6 @@ def absent(columns: Columns) -> Columns:
     return tuple(column for column in plain if column.symbol not in {each.symbol for each in columns})
 
 
-def zeros_of(columns: Columns, label: str) -> tuple[str, ...]:
-    """Names of coefficients that the terms have and the choice leaves out."""
-    present = {column.symbol for column in columns}
-    symbols = dict.fromkeys(symbol for column in columns for symbol in column.term.symbols)
-    return tuple(f"{symbol}_{label}" for symbol in symbols if symbol not in present)
-
-
 class JointFriction(NamedTuple):
     """Friction model that was chosen for a joint."""
 

@@ -84,12 +84,6 @@ class Tables(NamedTuple):
         whole = NormalEquations.of(design, np.ones(len(design.time)) * precision)
         return cls(design, grids, folds, equations, whole)
 
-    @property
-    def weights(self) -> list[float]:
-        """Weight of a tested row of each fold: the mean in time and that of the fastest seconds are added."""
-        tested = [max(int(fold.tested.sum()), 1) for fold in self.folds]
-        return [*np.full(len(tested) - 1, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]
-
 
 class Found(NamedTuple):
     """End of a search."""
@@ -151,6 +145,9 @@ def choose(
     projected = [each.project(joint, active) for each in tables.equations]
     rows = [design.some(fold.tested) for fold in tables.folds]
     held_out = [each.residuals(of_fold, joint, active) for each, of_fold in zip(projected, rows, strict=True)]
+    # weight of a tested row of each fold: the mean error in time and that of the fastest seconds are added
+    tested = [max(int(fold.tested.sum()), 1) for fold in tables.folds]
+    weights = [*np.full(len(tested) - 1, 1.0 / sum(tested[:-1])), 1.0 / tested[-1]]
     candidates: list[tuple[Pattern, Columns, FloatArray]] = []
     gains: dict[Pattern, float] = {}
     # The torque of a passive joint is 0 = load + friction: mu = 1, with no other parameter, explains all of it.
@@ -175,7 +172,7 @@ def choose(
             continue  # a bound would be active: the best positive coefficients are those of the simpler model
         gains[pattern] = gain
         loss = np.zeros(len(design.time))
-        for fold, equations, weight, (left, G) in zip(tables.folds, projected, tables.weights, held_out, strict=True):
+        for fold, equations, weight, (left, G) in zip(tables.folds, projected, weights, held_out, strict=True):
             c, _, lower = equations.solve(sets)
             good = pattern.dissipative(c)
             index = int(np.argmax(np.where(good, lower, -np.inf))) if good.any() else best

@@ -14,6 +14,7 @@ from exoid.estimate.estimate import Estimate
 from exoid.identification.estimators import wls
 from exoid.identification.gather import begin, gather
 from exoid.identification.identify import FitOptions, identify
+from exoid.identification.recording_summary import unmeasured_joints
 from exoid.leg.leg import Leg
 from exoid.regression.parameters import PriorKnowledge
 from exoid.signals import Recording, ZeroPhase
@@ -170,7 +171,7 @@ def select_terms(
     group = gather(problem, wls, own=None, preparation=None, cutoff=cutoff, check=False).single
     assert isinstance(group.preparation, ZeroPhase)
     several, cutoff = group.motions, group.preparation.cutoff
-    if missing := group.unmeasured:
+    if missing := unmeasured_joints(leg.joint_names, group.summaries):
         what = f"the friction of {', '.join(missing)} cannot be chosen: that torque was not measured"
         remedy = "lock these joints in the leg"
         command = "name the joints that were measured by --joints"
@@ -182,7 +183,6 @@ def select_terms(
         delays = identify(leg, several, (*DEFAULT_TERMS, *beside), **how).torque_delays
         late = dict(enumerate(delays.tolist())) if (delays > 0.0).all() else {}
     search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=problem.given.known)
-    report = progress or (lambda share: None)
-    candidates, chosen, columns, estimate = select_by_joint(search, report)
+    candidates, chosen, columns, estimate = select_by_joint(search, progress or (lambda share: None))
     joints = tuple(map(JointFriction.of, leg.joint_names, columns, radians(leg).tolist()))
     return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)
