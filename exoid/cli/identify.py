@@ -94,8 +94,6 @@ def identify(
     from .folders import each_log, is_folder_of_logs, logs_on_disk  # noqa: PLC0415
     from .grouped import estimate_files, identify_grouped, log_names  # noqa: PLC0415 - help needs no logs
 
-    if save_columns is not None:
-        write_whole(save_columns, [to_toml(columns_of(reading))])
     on_disk = own is None and any(map(is_folder_of_logs, logs))
     logs = each_log(logs)
     refuse_other_payloads(reading, [*logs, *tests])
@@ -111,22 +109,24 @@ def identify(
             fit.settings(),
             paths,
         )
-        print_result(text, as_json=as_json, data=data)
-        return
-    recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
-    held_out = read_logs(tests, reading, beside=logs)
-    settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
-    refuse_without_base(choice, recordings)
-    with status("identifying"):
-        estimate = exoid.identify(found, recordings, actuators=read_drives(reading, found), **settings)
-    estimate = replace(estimate, columns=columns_of(reading))
-    predicted = [exoid.validate(estimate, recording) for recording in held_out]
-    if output is not None:
-        estimate.save(output)
-    in_memory = (each for each in recordings if isinstance(each, exoid.Recording))
-    save_page(lambda: exoid.view.report.identification_report(estimate, [*in_memory], held_out), figures, report)
-    data = estimate.to_json()
-    del data["leg"]["urdf"]
-    if predicted:
-        data["tests"] = [each.to_json() for each in predicted]
-    print_result("\n\n".join(map(str, [estimate, *predicted])), as_json=as_json, data=data)
+    else:
+        recordings = logs_on_disk(logs, reading) if on_disk else read_logs(logs, reading, beside=tests)
+        held_out = read_logs(tests, reading, beside=logs)
+        settings, found = fit.settings(), find_leg(leg, choice, recordings[0].joint_names)
+        refuse_without_base(choice, recordings)
+        with status("identifying"):
+            estimate = exoid.identify(found, recordings, actuators=read_drives(reading, found), **settings)
+        estimate = replace(estimate, columns=columns_of(reading))
+        predicted = [exoid.validate(estimate, recording) for recording in held_out]
+        if output is not None:
+            estimate.save(output)
+        in_memory = (each for each in recordings if isinstance(each, exoid.Recording))
+        save_page(lambda: exoid.view.report.identification_report(estimate, [*in_memory], held_out), figures, report)
+        data = estimate.to_json()
+        del data["leg"]["urdf"]
+        if predicted:
+            data["tests"] = [each.to_json() for each in predicted]
+        text = "\n\n".join(map(str, [estimate, *predicted]))
+    if save_columns is not None:
+        write_whole(save_columns, [to_toml(columns_of(reading))])
+    print_result(text, as_json=as_json, data=data)

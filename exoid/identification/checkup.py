@@ -93,8 +93,7 @@ def rounding_errors(
     # Such errors move parameters as one stride would, and no residual shows it: those of counts that begin elsewhere
     # tell their size. Four of them have a t distribution whose quantile is √2 times the normal one.
     problem, none = fitted.problem, np.zeros_like(covariance)
-    in_memory = (group.data for group in problem.groups if not isinstance(group.data, Recordings))
-    every = (one for data in in_memory for one in data)
+    every = (one for group in problem.groups if not isinstance(group.data, Recordings) for one in group.data)
     if not any(isinstance(one, Recording) and one.a is None and rounding_repeats(one.q) for one in every):
         return none, ()
     try:

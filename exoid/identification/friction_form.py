@@ -45,8 +45,7 @@ def friction_form_error(
         share = min(max(of_joint.effective_samples / max(of_joint.samples, 1), 0.0), 1.0)
         H += share * X.T @ X
         h += share * X.T @ joint.residual
-    unit = np.concatenate([joint.unit for joint in joints])
-    L = matrix_root(_average(H, h, unit, len(joints)))
+    L = matrix_root(_average(H, h, np.concatenate([joint.unit for joint in joints]), len(joints)))
     error = ModelError(speed, -G @ L, L.reshape(len(joints), COUNT, -1), np.zeros(len(joints)))
     count = np.maximum(sum(one.usable.sum(axis=0) for one in rows), 1)
     explained = sum((error.variance(one.W) * one.usable).sum(axis=0) for one in rows) / count

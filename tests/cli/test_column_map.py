@@ -154,6 +154,8 @@ def amperes(tmp_path, data):
 @pytest.mark.slow
 def test_drives_and_delays_are_remembered_and_saved(exoid_, amperes, tmp_path):
     """The constant that was found goes before "unknown" in the file, which the user goes on giving."""
+    assert exoid_("identify", "bleex", "train.csv", "--save-columns", "saved.toml").code != 0
+    assert not (tmp_path / "saved.toml").exists()  # of a log that cannot be read with these columns
     run = exoid_(
         *("identify", "bleex", "train.csv", "--columns", "lab.toml", "--no-check"),
         *("-o", "est.json", "--save-columns", "saved.toml", "--json"),

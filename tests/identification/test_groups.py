@@ -176,6 +176,8 @@ def test_poses_may_be_a_group_of_their_own(leg, days):
     assert (np.abs(error) < 4.0 * together.std).all()
     assert together.agreement is None
     assert any("poses cannot be identified alone" in note for note in together.notes)
+    alone = exoid.identify(leg, groups["poses"], TERMS[2:], known={f"J{k}": 1.0 for k in (1, 2, 3)})
+    assert alone.model_error is None  # friction of any form left no trace
     with pytest.raises(ExoidError, match=r"c0_hip\[poses\].*left no trace"):
         identify(leg, groups, TERMS, own=("offset", "c0"))
 

@@ -108,10 +108,12 @@ def saturation(channel: Channel) -> Iterator[Finding]:
 def frozen_torque(channel: Channel) -> Iterator[Finding]:
     """Find times in which a torque keeps one value although the leg moves."""
     every, q = channel.long_runs(FROZEN_TORQUE), channel.others
-    # A coarse sensor leaves a value by its smallest step, and one that was frozen by a jump
-    every = [run for run in every if run[1] == len(channel.x) or channel.steps[run[1] - 1] > 1.5 * quantum(channel.x)]
     moving = [run for run in every if (np.ptp(q[slice(*run)], axis=0) > 0.05 * np.ptp(q, axis=0)).any()]
-    yield from _frozen(channel, moving)
+    # A coarse sensor leaves a value by its smallest step, and one that was frozen by a jump; where some values are left
+    # by a step after as long a time, a jump is two steps at once
+    jumps = {run for run in moving if run[1] == len(channel.x) or channel.steps[run[1] - 1] > 1.5 * quantum(channel.x)}
+    usual = max((stop - first for first, stop in {*moving} - jumps), default=0)
+    yield from _frozen(channel, [run for run in moving if run in jumps and run[1] - run[0] > usual])
 
 
 def frozen_angle(channel: Channel) -> Iterator[Finding]:

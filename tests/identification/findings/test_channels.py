@@ -25,8 +25,11 @@ def test_a_quantised_signal_has_no_rail_at_its_peak_and_is_not_stuck():
     leg, log = clean()
     smooth = with_column(log, "tau", 1, lambda x: np.round(10.0 * np.sin(log.time) / 0.05) * 0.05)
     assert "saturation" not in kinds(exoid.check(leg, smooth))
-    coarse = with_column(log, "tau", 1, lambda x: np.round(13.0 * x / np.ptp(x)))  # 13 levels, while the leg moves
-    assert "stuck-channel" not in kinds(exoid.check(leg, coarse))
+    for levels in (2.0, 4.0, 7.0, 13.0):  # and the leg moves
+        coarse = with_column(log, "tau", 1, lambda x, levels=levels: np.round(levels * x / np.ptp(x)))
+        assert "stuck-channel" not in kinds(exoid.check(leg, coarse))
+    frozen = with_column(coarse, "tau", 1, lambda x: np.where(abs(log.time - log.time[1000]) < 2.0, x[1000], x))
+    assert "stuck-channel" in kinds(exoid.check(leg, frozen))
 
 
 def test_peaks_of_a_joint_that_rings_are_no_spikes():
