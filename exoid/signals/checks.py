@@ -14,9 +14,7 @@ from exoid.errors import BadArgumentError, UnreadableInputError
 from .quantities import PREFIXES, UNITS
 from .source import ARRAY, Evidence, SourceLocation
 
-FEWEST_SAMPLES = 10
-"""Smallest number of samples of a recording."""
-
+FEWEST_SAMPLES = 10  # of a recording
 SLOWEST = 0.5
 """Sampling interval from which on time is not in seconds [s]: 2 Hz show no motion of a leg, and are 2 kHz in ms."""
 
@@ -245,11 +243,8 @@ def refuse_time_disorder(time: FloatArray, where: SourceLocation = ARRAY) -> Non
             command="give their unit: --column time=HEADER:ms, or us, or ns",
         )
     if interval < 1e-9:
-        raise UnreadableInputError(
-            f"the median interval of {interval:.3g} s is too short for a log",
-            **where.evidence(column="time"),
-            remedy="give time in seconds",
-        )
+        what = f"the median interval of {interval:.3g} s is too short for a log"
+        raise UnreadableInputError(what, **where.evidence(column="time"), remedy="give time in seconds")
 
 
 def refuse_velocity_in_other_unit(

@@ -117,8 +117,7 @@ def payloads_of(table: Table, given: Sequence[Payload] | None) -> tuple[Payload,
     except ExoidError as error:
         remedy = f"{error.remedy}; or pass payloads=, () for none"
         command = f"{error.remedy}; or give --payload"
-        where = f"line '{PAYLOAD}'"
-        raise UnreadableInputError(error.what, where=where, remedy=remedy, command=command) from None
+        raise UnreadableInputError(error.what, where=f"line '{PAYLOAD}'", remedy=remedy, command=command) from None
 
 
 def read_mask(table: Table, column: str) -> BoolArray:

@@ -90,8 +90,7 @@ def split_at_gaps(table: FloatArray) -> tuple[FloatArray, BoolArray]:
 def even_grid(time: FloatArray, rate: float) -> FloatArray:
     """Make uniform time stamps within the range of others."""
     steps = int(np.floor((time[-1] - time[0]) * rate * (1.0 + 1e-12)))
-    grid: FloatArray = np.minimum(time[0] + np.arange(steps + 1) / rate, time[-1])
-    return grid
+    return np.asarray(np.minimum(time[0] + np.arange(steps + 1) / rate, time[-1]))
 
 
 def interpolate(time: FloatArray, values: FloatArray, grid: FloatArray, *, smooth: bool) -> FloatArray:

@@ -9,7 +9,6 @@ from exoid.actuators import Attachments, LinearActuator, MomentArmTable, read_ac
 
 BLEEX = exoid.load_leg("bleex")
 CYLINDERS = read_actuators("bleex", BLEEX)
-POINTS = Attachments(("thigh", (0.05, 0.0, -0.10)), ("shank", (0.05, 0.0, -0.06)))
 
 
 @pytest.mark.parametrize("joint", BLEEX.joint_names)

@@ -119,12 +119,6 @@ def test_what_is_locked_gives_way_where_the_link_itself_cannot(tmp_path):
     np.testing.assert_allclose(reloaded(leg, export.urdf).parameters, estimate.leg.parameters, rtol=1e-12)
 
 
-BODY = (
-    '<inertial><origin xyz="0.01 0 -0.1" rpy="0.1 0.2 0.3"/><mass value="1"/>'
-    '<inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.02" iyz="0" izz="0.01"/></inertial>'
-)
-
-
 def without_numbers(text, links, joints):
     """Everything but the inertia of links and the <dynamics> of joints, in canonical form."""
     root = etree.fromstring(text.encode())

@@ -1,7 +1,6 @@
 """Mutated files of every kind end in a result or one line; ``scripts/mutate_files.py`` reads 20 000 of each."""
 
 import importlib.util
-import os
 import sys
 from pathlib import Path
 
@@ -11,9 +10,6 @@ import pytest
 import exoid
 
 SCRIPT = Path(__file__).parents[2] / "scripts" / "mutate_files.py"
-
-FILES = 20_000 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 25
-
 
 READ_HERE = ("csv", "mot", "forces.sto", "urdf", "estimate", "columns.toml", "drives.toml")
 """Kinds whose readers are Python, or are tested not to crash the process."""

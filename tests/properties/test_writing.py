@@ -17,9 +17,6 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and limits o
 
 KILLS = 6 * (20 if os.environ.get("EXOID_FULL_STUDIES") == "1" else 1)
 
-LONGEST = 60.0
-"""To wait for a file [s]."""
-
 WRITER = textwrap.dedent(
     """
     import sys

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from exoid import ExoidError
 from exoid.signals import Recording, Recordings
 
 HEADER = "time,q_hip,q_knee,tau_hip,tau_knee"
@@ -22,13 +21,6 @@ def log(tmp_path):
         return path
 
     return write
-
-
-def refused(path, match, **options):
-    with pytest.raises(ExoidError, match=match) as caught:
-        Recording.from_csv(path, **options)
-    assert caught.value.remedy
-    return str(caught.value)
 
 
 def test_joints_come_from_the_angle_columns_in_the_order_of_the_file(log):

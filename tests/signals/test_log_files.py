@@ -175,7 +175,7 @@ def test_parquet_may_hold_dates_integers_decimals_and_columns_that_do_not_matter
     np.testing.assert_allclose(recording.time, np.arange(12) / 100.0, atol=1e-15)
     np.testing.assert_array_equal(recording.q[:, 0], np.arange(-5, 7))
     np.testing.assert_array_equal(recording.tau[:, 0], np.arange(12) / 4)
-    message = refused(tmp_path / "log.parquet", "holds String", columns={"time": "stamp", "q_hip": "mode"})
+    message = refused(tmp_path / "log.parquet", "not real numbers", columns={"time": "stamp", "q_hip": "mode"})
     assert "column mode" in message
 
 

@@ -197,7 +197,8 @@ LOGS = {
     "Latin": Log(b"time,q_hip\n0,1\n0,\xff\n", "line 3"),
     "no header": Log(b"# made today\n0.0,0.1\n0.1,0.2\n", "line 2"),
     "no rows": Log(b"time,q_hip\n"),
-    "quotes without end": Log(b"time\tq_a\n" + b'"\n' * 12),
+    "quotes without end": Log(b'time\tq_a\n1\t"\n' + 2**21 * b"\n" + b"\0", "line 2"),  # before the rest is read
+    "a line without end": Log(table("time,q_hip,note", "0," + "1" * 2**21), "line 2"),
     "nine rows": Log(table("time,q_hip", "0.1", 9)),
     "a name twice": Log(table("time,q_hip,q_hip", "1,2")),
     "no time": Log(changed(1, HEADER.replace("time", "Time"))),

@@ -7,8 +7,6 @@ from exoid import Armature, Coulomb, ExoidError, Offset, Stiffness, Viscous
 from exoid.torques import DEFAULT_TERMS, CoordinateTerm, JointMotion, Term
 from exoid.torques.catalog import TERMS
 
-NAMES = ("left_hip", "left_knee", "left_ankle")
-
 
 def columns(term: Term, q: object = 0.0, v: object = 0.0, a: object = 0.0) -> np.ndarray:
     """The columns of one joint, (number of symbols, N)."""

@@ -65,11 +65,4 @@ def _column(series: Any, name: str) -> FloatArray:  # noqa: ANN401 - a polars.Se
 
     if series.dtype.is_decimal() or series.dtype == polars.Boolean:
         series = series.cast(polars.Float64)
-    if not (series.dtype.is_numeric() or series.dtype.is_temporal()):
-        raise UnreadableInputError(
-            f"holds {series.dtype}, not real numbers",
-            where=f"column {name}",
-            column=name,
-            remedy="write numbers in SI units",
-        )
     return as_column(series.to_numpy(), name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
-import os
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,6 +28,10 @@ PAYLOAD = "# payload:"  # a payload, such as `# payload: knee:3.0@0,0,-0.3`
 BASE_POSITION = "# base position:"  # position of the sensor on the base [m], `# base position: 0.1,0,0.2`
 WRENCH = "# wrench:"  # axes of a wrench and its point [m], `# wrench: left_foot:link@0,0,-0.08`
 SAID = (PAYLOAD, BASE_POSITION, WRENCH)
+
+DELIMITERS = (",", ";", "\t")
+LONGEST_LINE = 2**20  # 100 bytes for each of the most columns
+OPEN_QUOTE = re.compile(rb'(?!\s*#)(?:.*[,;\t])? *"[^"]*(?:""[^"]*)*$')  # perhaps the last cell of a line is not closed
 
 
 @dataclass(frozen=True)
@@ -56,11 +60,7 @@ class TextCells:
         return out
 
     def _parsed(self, places: Sequence[int]) -> FloatArray:
-        quote = '"' if any('"' in row for row in self.rows) else None
-        table = np.loadtxt(self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar=quote)
-        if len(table) != len(self.rows):
-            raise UnreadableInputError("a quotation mark opens and does not close", remedy="remove the quotes")
-        return np.asarray(table, dtype=np.float64)
+        return np.loadtxt(self.rows, delimiter=self.delimiter, usecols=places, ndmin=2, comments=None, quotechar='"')
 
     def _refuse_ragged(self) -> None:
         for line, row in zip(self.lines, self.rows, strict=True):
@@ -121,7 +121,7 @@ def read_text_table(file: str, _: ReadRequest) -> Table:
         raise UnreadableInputError("no lines with data", remedy="a log has a header line, then one line per sample")
     number, first = content[0]
     where = f"line {number}"
-    delimiter = max((",", ";", "\t"), key=lambda mark: len(_cells(first, mark, where)))
+    delimiter = max(DELIMITERS, key=lambda mark: len(_cells(first, mark, where)))
     if delimiter not in first and all(map(is_number, first.split())):
         content = [(number, _commas(line)) for number, line in content]
         comments = [line if "," in line else _commas(line) for line in comments]
@@ -193,17 +193,21 @@ def split_lines(text: str) -> tuple[list[tuple[int, str]], list[str]]:
 
 def _read_bytes(path: Path) -> bytes:
     try:
-        if path.is_dir():
-            os.stat(os.path.join(path, "."))  # noqa: PTH116, PTH118 - an error if the folder cannot be read
-            raise UnreadableInputError("is a directory, not a file", remedy="name the CSV file in it")
-        if path.exists() and not path.is_file():
+        if path.exists() and not (path.is_file() or path.is_dir()):
             raise UnreadableInputError("is not a regular file", remedy="copy the log into a file first")
-        blocks: list[bytes] = []
+        blocks, begun, first = list[bytes](), b"", 1  # part of a line that the block before ends with, and its number
         with path.open("rb") as opened:
-            while block := opened.read(2**20):
+            while block := opened.read(LONGEST_LINE):
                 if b"\0" in block:  # before a sparse file of many gigabytes fills the memory
                     raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
                 blocks.append(block)
+                whole = begun + block
+                *lines, begun = whole.splitlines(keepends=True)
+                if b'"' in whole:
+                    _refuse_open_quotes(lines, first)
+                first += len(lines)
+                if len(begun) >= LONGEST_LINE:
+                    raise UnreadableInputError("a line of over 1 MB", where=f"line {first}", remedy="break it up")
         return b"".join(blocks)
     except FileNotFoundError:
         raise UnreadableInputError("no such file", remedy=f"check the path; looked in {path.parent}") from None
@@ -212,12 +216,22 @@ def _read_bytes(path: Path) -> bytes:
         raise UnreadableInputError(f"cannot be read ({reason})", remedy="check the path and its rights") from None
 
 
+def _refuse_open_quotes(lines: Sequence[bytes], first: int) -> None:
+    """Refuse a cell that its line does not end, before the rest of the file is read."""
+    for number, line in enumerate(lines, first):
+        if OPEN_QUOTE.match(line):
+            for delimiter in DELIMITERS:
+                _cells(line.decode("utf-8", "replace"), delimiter, f"line {number}")
+
+
 def _cells(line: str, delimiter: str, where: str) -> list[str]:
     refuse_columns(line.count(delimiter) + 1)
+    reader = csv.reader([line, ""], delimiter=delimiter, skipinitialspace=True)
     try:
-        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        cells = next(reader, [])
     except csv.Error as problem:
-        raise UnreadableInputError(
-            f"not a line of a table: {problem}", where=where, remedy="export the log as plain CSV"
-        ) from None
+        what = f"not a line of a table: {problem}"
+        raise UnreadableInputError(what, where=where, remedy="export the log as plain CSV") from None
+    if reader.line_num > 1:  # the parser takes all lines that follow for one cell
+        raise UnreadableInputError("a quotation mark opens and does not close", where=where, remedy="remove the quotes")
     return [cell.strip() for cell in cells]

@@ -14,8 +14,6 @@ SCRIPT = Path(__file__).resolve().parents[3] / "scripts" / "make_bleex_swing.py"
 THREE_STD = 0.9973
 """Part of a normal distribution within three standard deviations."""
 
-JOINTS = ("hip", "knee", "ankle")
-
 
 @pytest.fixture(scope="module")
 def script():
