@@ -125,6 +125,21 @@ def test_c_is_the_law_in_random_states(compiled, solver, request):
     assert infeasible > 10
 
 
+@ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, *[PLACES[0]] * 5, PLACES[1], *[PLACES[0]] * 2)
+def solve_only(n, m, H, f, A, upper, lower, soft, x, multiplier):
+    """DAQP without its multipliers."""
+    return solve(n, m, H, f, A, upper, lower, soft, x, (ctypes.c_double * m)())
+
+
+def test_a_solver_may_leave_the_multipliers_alone(compiled):
+    (law, in_c), rng = compiled, np.random.default_rng(1000)
+    for _ in range(20):
+        state, target = drawn(law, rng)
+        values = values_of(law, state, target) | {"solve": ctypes.cast(solve_only, ctypes.c_void_p).value}
+        tau, _, _ = in_c.run(records(in_c.source, 1, values))
+        np.testing.assert_allclose(tau[0], law.command(state, target).torque, atol=1e-4)
+
+
 @pytest.mark.parametrize("change", [{"contact": 0.0}, {"solve": 0}, {"share": -0.5}, {"contact": 4.0}], ids=str)
 def test_without_support_or_solver_or_with_what_python_refuses_joints_are_damped(compiled, change):
     law, in_c = compiled
