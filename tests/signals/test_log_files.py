@@ -168,6 +168,7 @@ def test_parquet_may_hold_dates_integers_decimals_and_columns_that_do_not_matter
             "q_hip": list(range(-5, 7)),
             "tau_hip": [str(k / 4) for k in range(12)],
             "mode": ["walk"] * 12,
+            "pair": [{"left": 1.0, "right": 2.0}] * 12,
         }
     ).with_columns(polars.col("tau_hip").cast(polars.Decimal(10, 2)))
     frame.write_parquet(tmp_path / "log.parquet")
@@ -175,8 +176,9 @@ def test_parquet_may_hold_dates_integers_decimals_and_columns_that_do_not_matter
     np.testing.assert_allclose(recording.time, np.arange(12) / 100.0, atol=1e-15)
     np.testing.assert_array_equal(recording.q[:, 0], np.arange(-5, 7))
     np.testing.assert_array_equal(recording.tau[:, 0], np.arange(12) / 4)
-    message = refused(tmp_path / "log.parquet", "not real numbers", columns={"time": "stamp", "q_hip": "mode"})
-    assert "column mode" in message
+    for name in ("mode", "pair"):
+        message = refused(tmp_path / "log.parquet", "not real numbers", columns={"time": "stamp", "q_hip": name})
+        assert f"column {name}" in message
 
 
 # NumPy and MATLAB

@@ -80,7 +80,7 @@ def as_column(values: NDArray[Any], name: str) -> FloatArray:
         ticks, missing = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64), np.isnat(values)
         first = ticks[0] if values.dtype.kind == "M" and len(ticks) else 0
         return np.where(missing, np.nan, (ticks - first) / 1e9)
-    if values.dtype.kind not in "biuf":
+    if values.dtype.kind not in "biuf" or values.ndim > 1:
         raise UnreadableInputError(
             f"holds {values.dtype}, not real numbers",
             where=f"column {name}",
