@@ -38,8 +38,7 @@ def read_log(name: str, options: LogOptions, joints: Sequence[str] | None = None
         recording = _from_file(name, options, joints)
     elif part in ("train", "test"):
         refuse({"--mask": options.mask}, f"{name} has no such column")
-        payload = options.payload if _payloads_of(options.payload, name) else None
-        wanted = given(options._replace(payload=payload))
+        wanted = given(options._replace(payload=options.payload if _payloads_of(options.payload, name) else None))
         of_files = ("--passive", "--unmeasured", "--payload", "--base-position", "--wrench", "--late")
         refuse({option: wanted[option] for option in of_files}, f"{name} is a dataset")
         recording = dataset(base).train if part == "train" else dataset(base).test
@@ -64,13 +63,14 @@ def read_log_of(leg: Leg, name: str, options: LogOptions) -> Recording:
     try:
         return read_log(name, options, leg.joint_names)
     except ExoidError as error:
-        if not error.column.startswith("q_") or leg.joint_labels == leg.joint_names:
+        if error.column[:2] not in ("q_", "") or leg.joint_labels == leg.joint_names:  # none: options name joints, too
             raise
         try:
             log = read_log(name, options, leg.joint_labels)
         except ExoidError:
             raise error from None
-        return replace(log, joint_names=leg.joint_names, passive=(), computed=())
+        passive = tuple(leg.joint_names[log.joint_names.index(joint)] for joint in log.passive)
+        return replace(log, joint_names=leg.joint_names, passive=passive)
 
 
 def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> Recording:

@@ -79,7 +79,8 @@ def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     assert "reference of 1.99 s" in out
     text = (tmp_path / "walk.csv").read_text(encoding="utf-8")
     (tmp_path / "labels.csv").write_text(text.replace("left_", ""), encoding="utf-8")
-    assert track(saved, "--reference", "labels.csv").out == out
+    for options in ((), ("--unmeasured", "knee"), ("--passive", "knee")):
+        assert track(saved, "--reference", "labels.csv", *options).out == out
 
 
 def gait_log(path):
