@@ -45,14 +45,6 @@ def test_delimiters_line_endings_and_byte_order_marks_do_not_matter(log, delimit
         np.testing.assert_array_equal(getattr(recording, name), getattr(plain, name))
 
 
-def test_degrees_apply_to_angles_velocities_and_accelerations_but_not_to_torques(log):
-    lines = ["time,q_hip,v_hip,a_hip,tau_hip", *(f"{0.01 * k},{9.0 * k},900.0,0.0,9.0" for k in range(12))]
-    recording = Recording.from_csv(log(lines), angle_unit="deg")
-    np.testing.assert_allclose(recording.q[2], np.deg2rad(18.0))
-    np.testing.assert_allclose(recording.v[2], np.deg2rad(900.0))
-    assert recording.tau[2, 0] == 9.0
-
-
 @pytest.mark.parametrize("read", [Recording.from_csv, Recording.from_file, Recordings.from_folder])
 def test_a_misspelt_option_is_refused_as_python_refuses_arguments(read, tmp_path):
     (tmp_path / "log.csv").write_text("time,q_hip\n")

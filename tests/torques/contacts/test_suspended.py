@@ -11,7 +11,7 @@ import pytest
 import exoid
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.description import describe
-from exoid.torques.contacts.stretches import contact_of
+from exoid.torques.contacts.stretches import contact_of, split
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import study_suspended as study
@@ -67,3 +67,6 @@ def test_a_base_that_is_held_does_not_fly():
     hung = replace(short("hook"), contacts={"LF_FOOT": np.zeros(len(short("hook")), dtype=bool)})
     with pytest.raises(UnreadableInputError, match="it is held"):
         exoid.identify(machine(), hung, terms=())
+    flight = short("flight")
+    biased = replace(flight.base, specific_force=flight.base.specific_force + 0.1)
+    assert split(machine(), replace(flight, base=biased)).stretches  # and one with a bias still flies
