@@ -64,10 +64,8 @@ def own_parameters(groups: Sequence[Group], own: str | Sequence[str] | None) -> 
     model = groups[0].model
     for other in groups[1:]:
         if other.model.names != model.names or other.model.units != model.units:
-            what = (
-                f"parameters of {groups[0].name} are {', '.join(model.names)}, those of {other.name} "
-                f"{', '.join(other.model.names)}"
-            )
+            first, second = (", ".join(one.names) for one in (model, other.model))
+            what = f"parameters of {groups[0].name} are {first}, those of {other.name} {second}"
             remedy = "identify legs of one design, with the same joints, together"
             raise BadArgumentError(what, remedy=remedy)
     rigid = model.leg.parameter_names

@@ -270,8 +270,6 @@ def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[s
     """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
     limit = float(scipy.stats.norm.ppf(1.0 - 0.005))  # in 0.5 % of parameters that are zero
     below = never_negative(model) & (values < 0.0) & (values < -limit * std)
-    if not below.any():
-        return ()
     names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
     text = f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
-    return (f"{text}torque is not that of this joint",)
+    return (f"{text}torque is not that of this joint",) if below.any() else ()

@@ -53,10 +53,10 @@ class NuisanceColumns:
     carried: FloatArray  # what payloads add to those of the leg, (R,)
     rate: float  # sampling rate [Hz]
     speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
+    limits: FloatArray  # torque of each joint beyond which its drive may give no more [N·m], (n,)
     moving: bool = True  # whether samples are a motion in time; False for poses
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)  # of linear actuators, by the index of their joint
-    # what the first block of samples shows of each joint: frequencies at which links ring on springs [Hz], 0 for none,
-    # and limits of drives [N·m]
+    # frequencies at which links ring on springs by the first block of samples [Hz], 0 for none
     seen: dict[str, FloatArray] = field(default_factory=dict)
     states: tuple[()] = ()  # the columns have no internal state
 
@@ -211,20 +211,20 @@ def _frequencies(torque: FloatArray, residual: FloatArray, rate: float) -> Float
 
 def _beyond(at: _Point, _: int) -> FloatArray:
     """What is logged beyond the limit of a drive, as a command may be."""
-    tau = at.measured * at.of.moving
-    if "limits" not in at.of.seen:
-        at.of.seen["limits"] = np.array([_limit(at.W[:, j].T, x) for j, x in enumerate(tau)])
-    return np.sign(tau) * np.maximum(np.abs(tau) - at.of.seen["limits"][:, None], 0.0)
+    return np.sign(at.measured) * np.maximum(np.abs(at.measured) - at.of.limits[:, None], 0.0) * at.of.moving
 
 
-def _limit(W: FloatArray, tau: FloatArray) -> float:
-    """Limit of a torque beyond which leaving it out helps a fit of rows W most: some 1 000 rows tell."""
-    limits, rows = np.quantile(np.abs(tau), np.linspace(0.4, 0.99, 30)), slice(None, None, 1 + len(tau) // 1000)
-    Q, _ = np.linalg.qr(W[rows, W.any(axis=0)])
-    signals = np.vstack([tau[rows], np.sign(tau[rows]) * np.maximum(np.abs(tau[rows]) - limits[:, None], 0.0)])
-    left, *beyond = signals - signals @ Q @ Q.T
-    helps = [max(float(left @ x), 0.0) ** 2 / max(float(x @ x), TINY) for x in beyond]
-    return float(limits[np.argmax(helps)])
+def drive_limits(model: TorqueModel, motions: Sequence[Motion], torques: FloatArray) -> FloatArray:
+    """Limits beyond which leaving a torque (N, n) out helps a fit most, and shares of samples beyond, (n, 2)."""
+    W, found = np.concatenate([model.columns(one) for one in motions], axis=2).transpose(1, 2, 0), []
+    for of_joint, tau in zip(W, torques.T, strict=True):
+        limits = np.quantile(np.abs(tau), np.linspace(0.4, 0.99, 30))
+        Q, _ = np.linalg.qr(of_joint[:, of_joint.any(axis=0)])
+        signals = np.vstack([tau, np.sign(tau) * np.maximum(np.abs(tau) - limits[:, None], 0.0)])
+        left, *beyond = signals - signals @ Q @ Q.T
+        limit = limits[np.argmax([max(float(left @ x), 0.0) ** 2 / max(float(x @ x), TINY) for x in beyond])]
+        found.append((limit, np.mean(np.abs(tau) > limit)))
+    return np.array(found)
 
 
 def _play(at: _Point, _: int) -> FloatArray:

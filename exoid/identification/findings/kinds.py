@@ -92,7 +92,7 @@ KINDS = {
     ),
     "saturation": Kind(
         0.75,
-        "{percent:.0f} % of the torque of {joint} beyond a limit does not act, as of commands beyond that of its drive",
+        "{percent:.0f} % of the torque of {joint} beyond {form} does not act, as of commands its drive cannot give",
         "log the current or torque that the drive gives, limit the command alike, or leave these samples out",
     ),
     "two-clocks": Kind(
@@ -226,7 +226,7 @@ OF_ONE_JOINT = {
     "smoothing": ("smoothed-torque", "1", ""),
     "gain |τ|": ("torque-curve", "1", "where positive, and as much less where negative"),
     "gain τ²": ("torque-curve", "1", "at its RMS size, and ever more beyond"),
-    "beyond": ("saturation", "1", ""),
+    "beyond": ("saturation", "1", "N·m"),
     "constant t": ("change", "N·m/s", "from each second to the next, the zero of the torque"),
     "friction |v|": ("unmodelled-friction", "N·m·s/rad", "asymmetric friction"),
     "friction v²": ("unmodelled-friction", "N·m·s²/rad²", "quadratic friction"),
@@ -314,7 +314,8 @@ def library(
         faults.append(Nuisance("gravity-direction", "", -1, "rad", (*add("gravity", 0), *add("gravity", 1))))
     if n > 2 or (n > 1 and not planar):  # of a planar leg of two segments it is that of the length
         faults.append(Nuisance("clock", "", -1, "1", add("clock", 0), most=0.5))
-    in_metres = (one._replace(unit=one.unit.replace("N·m", "N").replace("rad", "m")) for one in faults)
-    faults = [one if one.place < 0 or turns[one.place] else slid for one, slid in zip(faults, in_metres, strict=True)]
+    in_metres = ([x.replace("N·m", "N").replace("rad", "m") for x in (one.unit, one.form)] for one in faults)
+    of_slides = (one._replace(unit=unit, form=form) for one, (unit, form) in zip(faults, in_metres, strict=True))
+    faults = [one if one.place < 0 or turns[one.place] else slid for one, slid in zip(faults, of_slides, strict=True)]
     friction = tuple(k for k, one in enumerate(columns) if one.kind.startswith("friction") and one.kind[-2:] != " t")
     return Library(tuple(columns), tuple(faults), tuple(always), tuple(scales), friction)

@@ -27,8 +27,6 @@ def _without_copies(group: Group) -> Group:
     kept, twice = sorted(first.values()), "was passed twice: counted once"
     again = [k for k in range(len(summaries)) if k not in set(kept)]
     findings = [_finding(1.0, f"{_name(summaries, k)} {twice}", summaries[k].source) for k in again]
-    if not findings:
-        return group
     rest: Data
     if isinstance(data, Recordings):
         rest = replace(data, items=tuple(data.items[k] for k in kept))
@@ -54,8 +52,6 @@ def counted_once(group: Group) -> Group:
         names = f"{_name(summaries, first)} and {_name(summaries, second)}"
         message = f"{names} share {share:.0%} of their samples: counted once"
         findings.append(_finding(share, message, summaries[second].source))
-    if not masks:
-        return group
     data: list[Recording | Poses] = []
     kept = []
     for k, (log, summary) in enumerate(zip(group.data, summaries, strict=True)):

@@ -223,6 +223,11 @@ def _sized(beside: _Beside, full: State, fault: Nuisance) -> Fault | None:
         return None
     change = torque_shares(evidence.factors, np.arange(count), score.move[:, None])
     alternatives = tuple(one for one in alternatives if one.nuisance.is_large_enough(one.delta, float(torque[0])))
+    if fault.kind == "saturation":
+        limit, share = evidence.limits[fault.place].tolist()
+        score = score._replace(
+            nuisance=fault._replace(form=f"about {limit:.3g} {fault.form}, {share:.0%} of the samples,")
+        )
     return Fault(score, alternatives, reach, float(change[0]))
 
 

@@ -82,16 +82,8 @@ def select_by_joint(
         if candidate.failure:
             what = f"no candidate can be fitted: {candidate.failure}"
             raise NotIdentifiableError(what, remedy="record longer and richer motions")
-        try:
-            estimate = candidate.fit(search.leg, search.recordings, search.cutoff)
-        except NotIdentifiableError as error:
-            of_joints = enumerate(zip(found.choice.columns, search.leg.joint_labels, strict=True))
-            pairs = [(joint, c.symbol, label) for joint, (columns, label) in of_joints for c in columns]
-            faults = [(j, s) for j, s, label in pairs if s not in ALWAYS and f"{s}_{label}" in error.parameters]
-            if not faults:  # it is no matter of friction
-                raise
-        else:
-            faults = _faults(found, estimate)
+        estimate = candidate.fit(search.leg, search.recordings, search.cutoff)
+        faults = _faults(found, estimate)
         if not faults:
             break
         for joint, symbol in faults:  # each round bans a coefficient for good; another candidate may then be better

@@ -16,7 +16,6 @@ def test_clipped_torque_is_saturation_with_its_rail(part):
     limit = part * np.abs(log.tau[:, 1]).max()
     found = exoid.check(leg, with_column(log, "tau", 1, lambda x: np.clip(x, -limit, limit)))
     sides = [finding for finding in found if finding.kind == "saturation"]
-    assert sides
     assert {finding.joint for finding in sides} == {leg.joint_names[1]}
     assert all(abs(finding.value) == pytest.approx(limit) for finding in sides)
 

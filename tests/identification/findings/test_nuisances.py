@@ -34,7 +34,7 @@ def test_torques_are_early_where_all_angles_are_late():
     values = np.append(leg.parameters, [3.0] * 3 + [2.0] * 2)
     columns, out = [*(Column("late angle", j) for j in range(3)), Column("delays", 0)], np.zeros((4, 3, len(t)))
     every = np.moveaxis(model.regressor(*motion[:3]), 0, -1).swapaxes(0, 1)
-    NuisanceColumns(model, columns, values, np.zeros(len(leg.parameters)), 100.0, np.ones(3)).fill(motion, every, out)
+    NuisanceColumns(model, columns, values, 0.0 * leg.parameters, 100.0, *np.ones((2, 3))).fill(motion, every, out)
     late, early = (x[:, 20:-20] for x in (out[:3].sum(axis=0), -out[3]))
     np.testing.assert_allclose(late, early, atol=0.02 * early.std())
 

@@ -16,7 +16,7 @@ from exoid.signals import zero_phase
 class Fault(NamedTuple):
     """A way to spoil a log, and the finding: its kind, joint, value, words of the message, and leg."""
 
-    spoil: Callable[[exoid.Recording], exoid.Recording]
+    spoil: Callable[[exoid.Recording], exoid.Recording | list[exoid.Recording]]
     kind: str
     joint: int | None = None
     value: Any = None
@@ -95,6 +95,7 @@ def about(value, size):
 
 
 SWAP, T = [1, 0, 2], np.arange(3000)
+BEYOND = column("tau", 1, lambda x: x + 7.0 * (x - np.clip(x, -8.0, 8.0)))
 FEW, FEWER = (np.random.default_rng(1).random(3000) < share for share in (0.02, 0.01))
 FAULTS = {
     "frozen torque": Fault(column("tau", 1, frozen(1000, 300)), "stuck-channel", 1, about(3.0, 0.03), "12.137 s"),
@@ -108,8 +109,9 @@ FAULTS = {
     "one angle late": Fault(column("q", 1, lambda x: np.interp(T - 1.5, T, x)), "angle-delay", 1, about(0.015, 0.002)),
     "a smoothed torque": Fault(column("tau", 1, lambda x: zero_phase(x, 100.0, 2.5)), "smoothed-torque", 1),
     "a motor that saturates": Fault(column("tau", 1, lambda x: x - 5e-4 * x**3), "torque-curve", 1),
-    "commands beyond a limit": Fault(
-        column("tau", 1, lambda x: x + 7.0 * (x - np.clip(x, -8.0, 8.0))), "saturation", 1, about(0.875, 0.02)
+    "commands beyond a limit that the first log does not reach": Fault(
+        lambda log: [BEYOND(log).slice(28, 243), BEYOND(log).slice(243, 900)],
+        *("saturation", 1, about(0.875, 0.02), "beyond about 7.81 N·m, 34% of the samples"),
     ),
     "two scales": Fault(column("tau", 1, lambda x: x + 0.03 * np.abs(x)), "torque-curve", 1, about(0.03, 0.005)),
     "a zero that drifts": Fault(column("tau", 1, lambda x: x + 1e-3 * T), "change", 1, about(0.1, 0.005), "zero"),
@@ -179,8 +181,7 @@ def test_a_fault_has_the_finding_of_its_kind_with_joint_and_size(fault):
     spoil, kind, joint, value, words, name = FAULTS[fault]
     leg, log = clean(name)
     finding = of_kind(exoid.check(leg, spoil(log)), kind)
-    names = leg.joint_names
-    assert finding.joint == {None: "", -1: ", ".join(names[:2])}.get(joint, names[joint or 0])
+    assert finding.joint == {None: "", -1: ", ".join(leg.joint_names[:2])}.get(joint, leg.joint_names[joint or 0])
     assert value is None or finding.value == value
     assert words in finding.message
     if finding.interval is not None:
