@@ -27,7 +27,7 @@ from .problem import Fitted, Problem
 from .row_changes import change_recordings, torque_delays
 
 
-def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None) -> FittedLeg:
+def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray) -> FittedLeg:
     """Gather what a check of one group needs."""
     model, problem, rows = fitted.models[group], fitted.problem, fitted.problem.groups[group]
     place = problem.layout.groups.index(rows.name)
@@ -37,12 +37,11 @@ def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray | None = None)
     told = {name: (value, 0.0) for name, value in knowledge.known.items() if value} | dict(knowledge.prior.values)
     held = {names[problem.names[k]]: 0.0 for k in fitted.fit.solution.bounded if problem.names[k] in names}
     fixed = np.array([{**knowledge.known, **held}.get(name, np.nan) for name in model.names])
-    errors = np.zeros((len(model.names),) * 2) if covariance is None else covariance
     arms = {} if rows.actuators is None else arm_shapes(rows.actuators, model.leg)
     constants: tuple[DriveConstant, ...] = getattr(rows.model, "constants", ())
     scales = {each.name: each.joint for each in constants if each.constant.is_scale}
     assert rows.preparation is not None
-    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), errors, arms, told, scales)
+    return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), covariance, arms, told, scales)
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -80,10 +79,9 @@ def _noisier(rng: np.random.Generator, sign: float, _: Group, one: Recording) ->
     """Add noise of its own size to a motion whose accelerations are derived, of one sign or the other."""
     if one.a is not None:
         return one
-    noisy = replace(one, q=noisier(one.q, rng, sign))
-    if one.base is None or one.base.pose is not None:
-        return noisy
-    return replace(noisy, base=noisier_base(one.base, rng, sign))
+    q = noisier(one.q, rng, sign)
+    base = one.base if one.base is None or one.base.pose is not None else noisier_base(one.base, rng, sign)
+    return replace(one, q=q, base=base)
 
 
 def rounding_errors(
@@ -146,7 +144,7 @@ def without_delays(problem: Problem, fitted: Fitted) -> Problem:
     for group in problem.groups:
         parts, names = fitted.problem.parts(group.name), group.model.leg.joint_names
         if fitted.problem.groups[parts[0]].links is None:
-            leg, (late, half) = fitted_leg(fitted, parts[0]), np.zeros((2, len(names)))
+            leg, (late, half) = fitted_leg(fitted, parts[0], fitted.fit.solution.covariance), np.zeros((2, len(names)))
             faults, _ = find_faults(leg._replace(data=few_of(leg.data)).sampled())
             for score in (one.score for one in faults if one.score.nuisance.kind == "torque-delay"):
                 joint = slice(None) if score.nuisance.place < 0 else score.nuisance.place  # those of all, and of one

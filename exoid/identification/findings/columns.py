@@ -53,7 +53,7 @@ class NuisanceColumns:
     carried: FloatArray  # what payloads add to those of the leg, (R,)
     rate: float  # sampling rate [Hz]
     speed: FloatArray  # RMS speed of each joint [rad/s], (n,)
-    limits: FloatArray  # torque of each joint beyond which its drive may give no more [N·m], (n,)
+    hints: FloatArray  # see :func:`residual_hints`, (n, 3)
     moving: bool = True  # whether samples are a motion in time; False for poses
     arms: Mapping[int, ArmShapes] = field(default_factory=dict)  # of linear actuators, by the index of their joint
     # frequencies at which links ring on springs by the first block of samples [Hz], 0 for none
@@ -211,19 +211,24 @@ def _frequencies(torque: FloatArray, residual: FloatArray, rate: float) -> Float
 
 def _beyond(at: _Point, _: int) -> FloatArray:
     """What is logged beyond the limit of a drive, as a command may be."""
-    return np.sign(at.measured) * np.maximum(np.abs(at.measured) - at.of.limits[:, None], 0.0) * at.of.moving
+    return np.sign(at.measured) * np.maximum(np.abs(at.measured) - at.of.hints[:, :1], 0.0) * at.of.moving
 
 
-def drive_limits(model: TorqueModel, motions: Sequence[Motion], torques: FloatArray) -> FloatArray:
-    """Limits beyond which leaving a torque (N, n) out helps a fit most, and shares of samples beyond, (n, 2)."""
+def residual_hints(model: TorqueModel, motions: Sequence[Motion], torques: FloatArray) -> FloatArray:
+    """Limit beyond which leaving a torque (N, n) out helps a fit most, share beyond, and waves of an angle, (n, 3)."""
     W, found = np.concatenate([model.columns(one) for one in motions], axis=2).transpose(1, 2, 0), []
-    for of_joint, tau in zip(W, torques.T, strict=True):
+    motion, m = [np.vstack(x).T for x in zip(*(one[:3] for one in motions), strict=True)], np.arange(6, 121)
+    for of_joint, tau, q, v, a in zip(W, torques.T, *motion, strict=True):
         limits = np.quantile(np.abs(tau), np.linspace(0.4, 0.99, 30))
         Q, _ = np.linalg.qr(of_joint[:, of_joint.any(axis=0)])
         signals = np.vstack([tau, np.sign(tau) * np.maximum(np.abs(tau) - limits[:, None], 0.0)])
         left, *beyond = signals - signals @ Q @ Q.T
         limit = limits[np.argmax([max(float(left @ x), 0.0) ** 2 / max(float(x @ x), TINY) for x in beyond])]
-        found.append((limit, np.mean(np.abs(tau) > limit)))
+        # an angle that is off by waves exp(i m q) leaves residuals like their second derivatives
+        Z = np.vander(np.exp(1j * q), 121, increasing=True)[:, m] * (1j * m * a[:, None] - (m * v[:, None]) ** 2)
+        apart = np.linalg.norm(Z, axis=0) ** 2 - np.linalg.norm(Q.T @ Z, axis=0) ** 2
+        waves = m[np.argmax(np.abs(left @ Z) ** 2 / np.maximum(apart, TINY))]
+        found.append((limit, np.mean(np.abs(tau) > limit), waves))
     return np.array(found)
 
 
@@ -246,8 +251,8 @@ def _behind(at: _Point, lag: FloatArray) -> FloatArray:
 
 
 def _ripple(at: _Point, k: int) -> FloatArray:
-    """Change where an angle is off by sin or cos of a multiple of it: of 2 m the sine, of 2 m + 1 the cosine of m q."""
-    m = k // 2
+    """Change where an angle is off by sin or cos of m q: of 2 m the sine, of 2 m + 1 the cosine; m is found for 0."""
+    m = at.of.hints[:, 2:] if k < 2 else k // 2
     q, v, a = (x.T for x in at.motion[:3])
     wave, slope = (np.sin(m * q), np.cos(m * q)) if k % 2 == 0 else (np.cos(m * q), -np.sin(m * q))
     return at.by_joints(wave, m * slope * v, m * slope * a - m**2 * wave * v**2)

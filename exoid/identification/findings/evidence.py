@@ -27,7 +27,7 @@ class Evidence(NamedTuple):
     counts: FloatArray  # usable rows of each joint, at least 1, (n,)
     ranges: MotionRanges | None = None  # ranges of all motions
     sources: Sequence[str] = ()  # file of each; "" for one in memory
-    limits: FloatArray = np.zeros((0, 2))  # limit that each drive may have [N·m], and share of samples beyond, (n, 2)
+    hints: FloatArray = np.zeros((0, 3))  # see `exoid.identification.findings.columns.residual_hints`
 
     @classmethod
     def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray, *, beside: int) -> Evidence:

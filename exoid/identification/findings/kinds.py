@@ -54,14 +54,17 @@ class Kind(NamedTuple):
     value: Callable[[float], float] = lambda delta: delta  # value that is reported for a coefficient
     signs: tuple[str, str] = ("", "")  # word for a positive and a negative value
 
-    def message(self, fault: Nuisance, x: float, delta: FloatArray) -> str:
-        """Say what a fault is, with its value as reported and its coefficients."""
+    def message(
+        self, fault: Nuisance, x: float, delta: FloatArray, limit: float = 0.0, share: float = 0.0, waves: float = 0.0
+    ) -> str:
+        """Say what a fault is, with its value as reported, its coefficients, and what residuals showed before."""
         millimetres = f"were {1e3 * x:.2g} mm elsewhere" if fault.unit == "m" else f"were off by {x:.2g} of the arm"
         moments = ", ".join(f"{x:.3g}" for x in np.round(delta[1:4], 4) + 0.0)
         load = f"{delta[0]:+.2g} kg with a moment of ({moments}) kg·m"
         degrees = f"{1e3 * x:.3g} mm" if fault.unit == "m" else f"{np.degrees(x):.3g}°"
         texts = {"of": "" if fault.unit == "1" else f" {fault.unit}", "sign": self.signs[int(x <= 0.0)], "load": load}
         texts |= {"whose": f"the torque of {fault.joint or 'all joints'}", "degrees": degrees, "displaced": millimetres}
+        texts |= {"often": fault.form or f"{waves:.0f} times", "limit": f"{limit:.3g} {fault.form}, {share:.0%}"}
         numbers = {"x": x, "milli": 1e3 * abs(x), "percent": 100.0 * x, "size": 100.0 * abs(x)}
         return self.text.format(**fault._asdict(), **numbers, **texts, largest=np.abs(delta).max())
 
@@ -92,7 +95,8 @@ KINDS = {
     ),
     "saturation": Kind(
         0.75,
-        "{percent:.0f} % of the torque of {joint} beyond {form} does not act, as of commands its drive cannot give",
+        "{percent:.0f} % of the torque of {joint} beyond about {limit} of the samples, does not act, as of commands "
+        "that its drive cannot give",
         "log the current or torque that the drive gives, limit the command alike, or leave these samples out",
     ),
     "two-clocks": Kind(
@@ -199,7 +203,7 @@ KINDS = {
     ),
     "angle-ripple": Kind(
         5e-4,
-        "the angle of {joint} is off by up to {milli:.2g} mrad in waves, {form} a turn or about so often, as a "
+        "the angle of {joint} is off by up to {milli:.2g} mrad in waves, {often} a turn or about so often, as a "
         "potentiometer or an encoder with an eccentric disc or magnet is",
         "calibrate the angle over its range against another encoder, and subtract what it reads too much; a spring "
         "between encoder and link bends so under gravity, too",
@@ -298,9 +302,9 @@ def library(
         if planar and j < n - 1:
             faults.append(Nuisance("segment-length", joint, j, "1", add("length", j), most=0.5))
         faults.append(Nuisance("play", joint, j, "rad", add("play", j), most=0.05))
-        for k, often in ((4, "four times"), (8, "eight times")) if turns[j] else ():
+        for k, often in ((4, "four times"), (0, "")) if turns[j] else ():
             waves = add("ripple", j, 2 * k, 2 * k + 1)
-            faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / k))
+            faults.append(Nuisance("angle-ripple", joint, j, "rad", waves, form=often, most=0.15 / (k or 6)))
         if j in arms:
             faults.append(Nuisance("moment-arm", joint, j, arms[j].unit, add("arm", j, 0, 1), form=arms[j].what))
     if n > 1:

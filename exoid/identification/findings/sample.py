@@ -23,7 +23,7 @@ from exoid.torques.catalog import radians
 from exoid.torques.payloads import payload_parameters
 
 from .arms import ArmShapes
-from .columns import NuisanceColumns, drive_limits
+from .columns import NuisanceColumns, residual_hints
 from .evidence import Evidence
 from .kinds import Library, library
 
@@ -40,7 +40,7 @@ class FittedLeg(NamedTuple):
     arms: Mapping[int, ArmShapes] = MappingProxyType({})  # of linear actuators whose force was measured, by their joint
     told: Mapping[str, tuple[float, float]] = MappingProxyType({})  # values that were told, and their errors
     constants: Mapping[str, int] = MappingProxyType({})  # joint of each constant that was found and scales a torque
-    limits: FloatArray = np.zeros((0, 2))  # see `drive_limits`
+    hints: FloatArray = np.zeros((0, 3))  # see `residual_hints`
 
     @property
     def library(self) -> Library:
@@ -139,13 +139,13 @@ def gather(fitted: FittedLeg, *, friction: bool = False) -> Evidence:
     step = 1 + sum(len(one.time) for _, one in ready) // 1000
     tau = np.vstack([one.tau[::step] for one, _ in ready if one.tau is not None])
     motions = [one.motion.rows(slice(None, None, step)) for _, one in ready]
-    fitted = fitted._replace(limits=drive_limits(fitted.model, motions, np.nan_to_num(tau)))
+    fitted = fitted._replace(hints=residual_hints(fitted.model, motions, np.nan_to_num(tau)))
     rigid = fitted.values[: len(fitted.model.leg.parameter_names)]
     alternatives = AlternativeFriction(rigid, ranges.speed, radians(fitted.model.leg))
     rows = [_rows(fitted, one, prepared, [alternatives] if friction else []) for one, prepared in ready]
     at_rest = [isinstance(one, Poses) for one, _ in ready]
     evidence = Evidence.of(rows, at_rest, fitted.fixed, beside=COUNT if friction else 0)
-    return evidence._replace(ranges=ranges, sources=[one.file_name for one, _ in ready], limits=fitted.limits)
+    return evidence._replace(ranges=ranges, sources=[one.file_name for one, _ in ready], hints=fitted.hints)
 
 
 def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others: Sequence[AlternativeFriction]) -> Rows:
@@ -155,7 +155,7 @@ def _rows(fitted: FittedLeg, one: Recording | Poses, prepared: Prepared, others:
     speed = np.std(np.diff(one.q, axis=0), axis=0) * rate
     places = [(column.kind, len(model.names) + k) for k, column in enumerate(columns)]
     carried = payload_parameters(model.leg, one.payloads)  # a fault of the log changes the torque of payloads too
-    about = values, carried, rate, speed, fitted.limits[:, 0], isinstance(one, Recording), fitted.arms
+    about = values, carried, rate, speed, fitted.hints, isinstance(one, Recording), fitted.arms
     every = replace(model, extras=(NuisanceColumns(model, columns, *about), *others))
     assert isinstance(prepared.motion, Motion)
     assert one.tau is not None

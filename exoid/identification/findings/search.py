@@ -39,6 +39,7 @@ class Fault(NamedTuple):
     alternatives: tuple[Score, ...]  # faults that explain the log about as well
     reach: FloatArray  # largest change of the parameters by a fault of this kind, torque and any form, (P,)
     change: float  # RMS change of the predicted torque of a joint by the parameters that move, over its RMS torque
+    hints: FloatArray  # see `exoid.identification.findings.columns.residual_hints`, (n, 3)
 
     @property
     def moves_far(self) -> bool:
@@ -146,8 +147,8 @@ def _counts(score: Score, limit: float) -> bool:
     least = {**dict.fromkeys(FORWARD, 0.0), "saturation": 0.75, "torque-curve": -score.nuisance.most}
     if score.nuisance.kind in least and not least[score.nuisance.kind] <= score.delta[0] <= score.nuisance.most:
         return False
-    # a change is the best of those at all times, and a limit that of many
-    best = score.nuisance.kind in ("change", "wrong-load", "saturation")
+    # a change is the best of those at all times, and limits and waves are those of many
+    best = score.nuisance.kind in ("change", "wrong-load", "saturation", "angle-ripple")
     ease = 10.0 if _is_late(score) else 1.0 / BLOCKS if best else 1.0
     moves = 0.5 * SMALLEST_MOVE if _is_late(score) else SMALLEST_MOVE
     return score.p_value < ease * limit and bool(score.moves.max(initial=0.0) > moves)
@@ -223,12 +224,7 @@ def _sized(beside: _Beside, full: State, fault: Nuisance) -> Fault | None:
         return None
     change = torque_shares(evidence.factors, np.arange(count), score.move[:, None])
     alternatives = tuple(one for one in alternatives if one.nuisance.is_large_enough(one.delta, float(torque[0])))
-    if fault.kind == "saturation":
-        limit, share = evidence.limits[fault.place].tolist()
-        score = score._replace(
-            nuisance=fault._replace(form=f"about {limit:.3g} {fault.form}, {share:.0%} of the samples,")
-        )
-    return Fault(score, alternatives, reach, float(change[0]))
+    return Fault(score, alternatives, reach, float(change[0]), evidence.hints)
 
 
 def _predicts(beside: _Beside, score: Score, plain: State) -> bool:
@@ -332,7 +328,8 @@ def _described(fitted: FittedLeg, fault: Fault) -> Iterator[Finding]:
         loops *= closed and what.kind in ("angle-offset", "angle-scale", "clock", "segment-length", "gravity-direction")
         others = " or ".join((*names_of[:k], *names_of[k + 1 :], *loops))
         more = f"; {others} would explain this log about as well" if others else ""
-        message = f"{kind.message(what, value, one.delta)}{more}{effect if severity == 'error' else ''}"
+        text = kind.message(what, value, one.delta, *fault.hints[what.place].tolist())
+        message = f"{text}{more}{effect if severity == 'error' else ''}"
         names = tuple(all_names[is_doubtful].tolist())
         for constant, j in fitted.constants.items():  # a body that is off goes with the torque that moves it
             of_body = model.own_parameters(j) or all_names[:bodies][model.acting[j, :bodies]].tolist()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -66,16 +66,14 @@ class Candidate:
         return {"name": self.name, "numbers": self.numbers, **figures, "failure": self.failure}
 
 
-def select_by_joint(
-    search: Search, progress: Callable[[float], None]
-) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
+def select_by_joint(search: Search) -> tuple[list[Candidate], int, tuple[Columns, ...], Estimate]:
     """Choose the friction of each joint: all candidates, which, its friction, and its fit."""
-    ends = _ends(search, progress)
+    ends = _ends(search)
     plain = ends[0][1]
     plain = plain._replace(choice=plain.choice._replace(columns=(PLAIN,) * len(search.leg.joint_names)))
     coulomb = _scored(plain.search, "coulomb", plain.choice)
     ends = [*(_no_worse(*one, coulomb.nrmse) for one in ends), (coulomb, plain)]
-    progress(0.75)
+    search.progress(0.75)
     while True:
         chosen = min(range(len(ends)), key=lambda k: ends[k][0].error * (ALIKE if k else 1.0))
         candidate, found = ends[chosen]
@@ -89,15 +87,15 @@ def select_by_joint(
         for joint, symbol in faults:  # each round bans a coefficient for good; another candidate may then be better
             found = found.without(joint, symbol)
         ends[chosen] = _scored(found.search, candidate.name, found.choice), found
-    progress(1.0)
+    search.progress(1.0)
     return [one for one, _ in ends], chosen, found.choice.columns, estimate
 
 
-def _ends(search: Search, progress: Callable[[float], None]) -> list[tuple[Candidate, Found]]:
+def _ends(search: Search) -> list[tuple[Candidate, Found]]:
     """Ends of the search joint by joint, the one to take first."""
 
     def end(name: str, mine: Search, begin: float) -> tuple[Candidate, Found]:
-        found = search_joint_by_joint(replace(mine, progress=lambda share: progress(begin + 0.25 * share)))
+        found = search_joint_by_joint(replace(mine, progress=lambda share: search.progress(begin + 0.25 * share)))
         return _scored(mine, name, found.choice), found
 
     # Friction of another form may look like a delay: torques that seem late are also taken as they are.

@@ -182,7 +182,8 @@ def select_terms(
         how: FitOptions = {"preparation": ZeroPhase(cutoff), "delay": "auto", "check": False}
         delays = identify(leg, several, (*DEFAULT_TERMS, *beside), **how).torque_delays
         late = dict(enumerate(delays.tolist())) if (delays > 0.0).all() else {}
-    search = Search(leg, several, cutoff, folds, beside=tuple(beside), late=late, known=problem.given.known)
-    candidates, chosen, columns, estimate = select_by_joint(search, progress or (lambda share: None))
+    report = progress or (lambda share: None)
+    search = Search(leg, several, cutoff, folds, report, tuple(beside), late, problem.given.known)
+    candidates, chosen, columns, estimate = select_by_joint(search)
     joints = tuple(map(JointFriction.of, leg.joint_names, columns, radians(leg).tolist()))
     return Selection(leg, tuple(candidates), chosen, cutoff, folds, joints, estimate)

@@ -156,9 +156,9 @@ FAULTS = {
     ),
     **{
         f"an angle off {k} times a turn": Fault(
-            column("q", 1, lambda x, k=k: x + 0.005 * np.sin(k * x + 0.5)), "angle-ripple", 1, about(0.005, 0.001)
+            column("q", 1, lambda x, k=k: x + 0.04 / k * np.sin(k * x)), "angle-ripple", 1, about(0.04 / k, 0.008 / k)
         )
-        for k in (4, 8)
+        for k in (4, 8, 50)
     },
     "a push": Fault(
         column("tau", 1, lambda x: x + 2.0 * x.std() * np.exp(-(((np.arange(len(x)) - 1500) / 50.0) ** 2))),
