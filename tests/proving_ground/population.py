@@ -223,6 +223,7 @@ MISTAKES: dict[str, tuple[Spoil, str]] = {
         column("q", lambda x, _: x + 0.01 * np.sin(4.0 * x + 0.5)),
         "angle-ripple",
     ),
+    "angle off by 1 mrad, 50 times a turn": (column("q", lambda x, _: x + 1e-3 * np.sin(50.0 * x)), "angle-ripple"),
     "somebody pushes for half a second": (column("tau", push), "large-residual"),
     "stamps jitter by a third of a sample": (jitter, "stamp-jitter"),
     "log passed twice": (lambda r, _: [r, replace(r, tau=r.tau.copy())], "repeated-data"),

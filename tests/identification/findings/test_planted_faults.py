@@ -94,8 +94,7 @@ def about(value, size):
     return pytest.approx(value, abs=size)
 
 
-SWAP, T = [1, 0, 2], np.arange(3000)
-BEYOND = column("tau", 1, lambda x: x + 7.0 * (x - np.clip(x, -8.0, 8.0)))
+SWAP, T, BEYOND = [1, 0, 2], np.arange(3000), column("tau", 1, lambda x: x + 7.0 * (x - np.clip(x, -8.0, 8.0)))
 FEW, FEWER = (np.random.default_rng(1).random(3000) < share for share in (0.02, 0.01))
 FAULTS = {
     "frozen torque": Fault(column("tau", 1, frozen(1000, 300)), "stuck-channel", 1, about(3.0, 0.03), "12.137 s"),
@@ -171,7 +170,6 @@ FAULTS = {
         lambda log: dataclasses.replace(log, time=0.98 * log.time), "clock", None, about(-0.02, 0.004)
     ),
 }
-
 
 VARIANTS = ("sign of torque 1", "sign of torque 2", "tau and q swapped", "q swapped")
 
