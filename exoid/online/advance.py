@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 from exoid.regression.least_squares import RANK
 
 from .changes import Verdict, judge, look
@@ -28,10 +28,11 @@ def advance(settings: Settings, state: State, samples: FloatArray) -> State:
     state = state._replace(samples=state.samples + len(samples))
     if state.detector.crossing >= 0:
         return _suspect(settings, state, rows) if rows.used.any() else state
-    if not rows.used.any():
-        return _with_residuals(settings, state, rows)
     # from 20 rows for each parameter on, innovations are noise, not errors of the first values
     known = np.isfinite(state.std[0]) and state.information.rows.sum() > 20.0 * settings.count
+    used = rows.used & known
+    if not rows.used.any():
+        return _with_residuals(settings, state, rows, used)
     if known and np.isfinite(settings.detection.limits).all():
         detector = look(settings, state, rows)
         state = state._replace(detector=detector, sharpest=np.maximum(state.sharpest, detector.weights))
@@ -39,15 +40,14 @@ def advance(settings: Settings, state: State, samples: FloatArray) -> State:
             before = solved(settings, state._replace(weights=detector.weights), state.checkpoints[-1])
             return state._replace(detector=_emptied(detector)._replace(values=before.values))
     state = solved(settings, state, absorb(settings, state.information, rows, state.weights))
-    state = _with_residuals(settings, state, rows)
+    state = _with_residuals(settings, state, rows, used)
     if state.detector.settled % max(1, round(1.0 / settings.block_time)):
         return state
     return state._replace(checkpoints=(state.information, *state.checkpoints[:-1]))
 
 
-def _with_residuals(settings: Settings, state: State, rows: Rows) -> State:
-    """Add the residuals to their autocorrelation, once values are known."""
-    used = rows.used & np.isfinite(state.std[0])
+def _with_residuals(settings: Settings, state: State, rows: Rows, used: BoolArray) -> State:
+    """Add the residuals of some rows to their autocorrelation."""
     residuals = (rows.tau - rows.W @ state.values) * used
     return state._replace(correlation=follow_residuals(settings, state.correlation, residuals, used))
 

@@ -60,6 +60,16 @@ def test_samples_one_by_one_and_in_blocks_give_the_same(leg, truth):
     assert np.array_equal(single.estimate.values, blocks.estimate.values)
 
 
+def test_intervals_grow_with_the_torques(leg, truth):
+    q, _, _, tau = swing(leg, truth, 12.0)
+    found = []
+    for size in (1.0, 1024.0, 1.0 / 1024.0):
+        online = RecursiveEstimator(leg, TERMS, rate=RATE)
+        online.update(q, None, None, size * tau)
+        found.append(online.estimate.std / size)
+    np.testing.assert_allclose(found[1:], found[:1] * 2, rtol=1e-3)
+
+
 def test_the_filter_costs_no_phase_error(leg, truth):
     """Angles alone, without noise: what is left is how far columns of smoothed angles differ from smoothed columns."""
     q, _, _, tau = swing(leg, truth, 20.0, noise=0.0)
