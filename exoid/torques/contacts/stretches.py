@@ -197,11 +197,13 @@ def _without_bias(
     still = {link: standing_reading(leg, raw, link, base.position) for link in soles}
     refuse_turned(leg, raw, still, soles)
     turns = turns_on_feet(leg, raw, still, soles)
-    # a pose is as late as wrenches in axes of the laboratory, and stays
-    delay = 0.0 if base.pose is not None else late(turns) or (0.0 if session is None else session.delay)
-    if delay:
-        base = base.interpolated(raw.time, np.clip(raw.time + delay, raw.time[0], raw.time[-1]))
-        turns = turns_on_feet(leg, replace(raw, base=base), still, soles)
+    # a pose is as late as wrenches in axes of the laboratory, and stays; feet that rock turn a base as if it were late
+    measured, known = base, 0.0 if session is None else session.delay
+    for delay in (0.0,) if base.pose is not None else (late(turns), late(turns, rocks=True) or known):
+        base = measured.interpolated(raw.time, np.clip(raw.time + delay, *raw.time[[0, -1]])) if delay else measured
+        if (feet := imu_errors(base, still, soles, rate)) is not None and not feet.rocks:
+            break
+    turns = turns_on_feet(leg, replace(raw, base=base), still, soles) if delay else turns
     corrected = base
     for _ in range(2):  # what a foot that slides says of the sensor is left out the second time
         rests = {link: flags & ~slip.slides for link, flags in soles.items()}
