@@ -52,17 +52,28 @@ from exoid.control.ground import (
     CoordinatedLoop,
     Coordinator,
     GroundLoop,
+    GroundState,
+    GroundTarget,
     Rule,
     stance,
 )
 from exoid.control.ground.hypotheses import BLOCK
 from exoid.errors import ExoidError
 from exoid.experiments import ground
-from exoid.experiments.ground.planned_motion import follow, knots, planned_motion, wave
+from exoid.experiments.ground.planned_motion import (
+    LEAD,
+    Bearing,
+    _bearing,
+    follow,
+    knots,
+    motion_rows,
+    planned_motion,
+    wave,
+)
 from exoid.experiments.ground.posture import planar_legs
 from exoid.experiments.ground.stance import CLAMP, HAND_RAIL, SWING_GAINS
 from exoid.lab.coordination.day import Episode, _bearings, _ground, _reference
-from exoid.lab.coordination.study import _delays, _judge
+from exoid.lab.coordination.study import _delays, _judge, _seat_off
 from exoid.leg.model import with_dynamic_parameters
 from exoid.rig import Payload, Rates
 from exoid.rig.bodies import WINTER
@@ -122,10 +133,10 @@ def identified(machine: str, truth: GroundPlant, seed: int) -> exoid.Estimate:
         log = run.recording(replace(SENSORS, torque_noise=(0.5, 0.4)), seed)
         return exoid.identify(exoid.load_exo("cuhk", base="floating"), log, TERMS, check=False)
     runs = {
-        "squats": ground.squats_and_shifts(truth, 10.0, seed=seed),
-        "left": ground.single_support(truth, 10.0, standing=0, stance=ONE_FOOT, seed=seed + 1),
-        "right": ground.single_support(truth, 10.0, standing=1, stance=ONE_FOOT, seed=seed + 2),
-        "swing": ground.swing(truth, 10.0, scale=0.85, seed=seed + 3),
+        "squats": ground.squats_and_shifts(truth, 20.0, seed=seed),
+        "left": ground.single_support(truth, 20.0, standing=0, stance=ONE_FOOT, seed=seed + 1),
+        "right": ground.single_support(truth, 20.0, standing=1, stance=ONE_FOOT, seed=seed + 2),
+        "swing": ground.swing(truth, 20.0, scale=0.85, seed=seed + 3),
     }
     logs = [run.recording(seed=seed + k, wrenches=set(run.wrenches) & {"torso"}) for k, run in enumerate(runs.values())]
     return exoid.identify(exoid.load_exo("bleex", base="floating"), logs, TERMS, check=False)
@@ -210,18 +221,32 @@ def cuhk_functions(body: Body) -> dict[str, Function]:
 
 
 class Noted(CoordinatedLoop):
-    """Loop that notes the probability of each set of contacts at every sample."""
+    """Loop that notes the probability of each set of contacts, and the state that it wants, at every sample."""
 
     def __post_init__(self) -> None:
         """Begin the notes."""
         super().__post_init__()
         self.told: list[FloatArray] = []
+        self.wanted: list[tuple[GroundState, GroundTarget] | None] = []  # None where nothing bears
 
     def __call__(self, reading: GroundReading) -> FloatArray:
         """Compute the torque, and note what is told."""
         torque = super().__call__(reading)
         self.told.append(self._told.probability.copy())
         return torque
+
+    def supported(self, reading: GroundReading, shares: Mapping[str, float], target: GroundTarget, *rest) -> FloatArray:  # noqa: ANN002
+        """Compute the torque, and note the reference as a state on the contacts of the machine."""
+        torque = super().supported(reading, shares, target, *rest)
+        there = {"q": target.q, "v": target.v, "pitch": target.pitch, "pitch_rate": target.pitch_rate}
+        self.wanted.append(None if torque is None else (self.state._replace(**there, interaction=None), target))
+        return torque
+
+    def planned_knees(self, plant: GroundPlant) -> FloatArray:
+        """Torque of machine and wearer at the knees that the reference takes with the truth, under the same rail."""
+        law, knees = stance(plant, plant.soles), [limb.joints.start + 1 for limb in plant.leg.limbs]
+        none = np.full(len(knees), np.nan)
+        return np.array([none if each is None else law.command(*each).torque[knees] for each in self.wanted])
 
 
 def filter_of(model: exoid.Estimate | GroundPlant | exoid.Leg, soles: Mapping[str, Sole]) -> ContactFilter:
@@ -304,6 +329,20 @@ def walked(
     return judged(where, motion, loop, functions["last step"], None, PASSIVE, seed, event)
 
 
+def pulled(plant: GroundPlant, motion: GroundMotion, bearings: Mapping[str, Bearing], rail: Spring) -> GroundMotion:
+    """Let the hand on a rail pull as planned, so that no sole bears a moment: its carriage moves ahead of the torso."""
+    b, q, base = plant.leg.base_rows, motion.q, motion.base
+    hand = _bearing(plant, q, base, plant.root_link, Bearing(np.ones(len(q)), np.array(rail.point)), held=False)[0]
+    parts = [_bearing(plant, q, base, link, each, held=False) for link, each in bearings.items()]
+    # soles bear hardly any moment, and a seat bears before the hand pulls
+    J = np.concatenate([hand[:, :1], *(x for x, _ in parts)], axis=1)[:, :, :b]
+    S = np.hstack([np.full((len(q), 1), 0.1), *(x * [1.0, 1.0, 1e-6] for _, x in parts)])
+    rows = motion_rows(plant, motion.time, q, base)[:, :b, None]
+    pull = 0.1 * np.einsum("nk,nk->n", J[:, 0], np.linalg.solve(np.einsum("nki,nk,nkj->nij", J, S, J), rows)[..., 0])
+    ahead = pull / rail.stiffness[0] * minimum_jerk(motion.time + LEAD)
+    return replace(motion, base=base + np.outer(ahead, [1.0, 0.0, 0.0]))
+
+
 def coordinated(
     truth: GroundPlant, model: exoid.Estimate, name: str, wearer: GroundWearer, seed: int, event: Event = NOTHING
 ) -> FloatArray:
@@ -321,6 +360,8 @@ def coordinated(
     q = scipy.interpolate.CubicSpline(PHASE, joint_angles(truth.leg, function.flexion))(phase)
     bearings = _bearings(where, function, phase, flexion, base)
     motion = planned_motion(where, t, q, base, bearings, held=points)
+    rail = HAND_RAIL if points or not free else None
+    motion = motion if rail is None else pulled(where, motion, bearings, rail)
     rules = [Rule("stand", "request", key) for key in made if key != "stand"]
     rules += [Rule(key, "end", "stand") for key in made if key != "stand"]
     table = (*rules, Rule(SAFE, "known", "stand")) if made else TABLE
@@ -328,7 +369,7 @@ def coordinated(
     start = "sit" if name == "rise" else "stand"
     told = filter_of(model, where.soles)
     loop = Noted(stance(model, where.soles), told, coordinator, {0.3: name, **event.requests}, start)
-    return judged(where, motion, loop, function, HAND_RAIL if points or not free else None, wearer, seed, event)
+    return judged(where, motion, loop, function, rail, wearer, seed, event)
 
 
 def judged(
@@ -341,7 +382,7 @@ def judged(
     seed: int,
     event: Event,
 ) -> FloatArray:
-    """Run a loop: its end, figures of :data:`COORDINATED`, knees beside a squat's plan [%], sunk, goes on, safe."""
+    """Run a loop: its end, figures of :data:`COORDINATED`, sunk, goes on, safe."""
     try:
         run = simulate_on_ground(
             plant,
@@ -355,7 +396,7 @@ def judged(
             seed=seed,
         )
     except ExoidError:
-        return np.array([0.0, *[np.nan] * (len(COORDINATED) + 1), 0.0, 0.0])
+        return np.array([0.0, *[np.nan] * len(COORDINATED), 0.0, 0.0])
     shown = loop.decisions[-len(run.time) :]
     last, names = shown[-1], {contact_name(plant.leg, link): foot for link, foot in run.feet.items()}
     end = "sit" if function.name == "sit" else "stand"
@@ -385,14 +426,14 @@ def judged(
     rows, each = np.array(loop.told[-len(run.time) :]), replace(loop.contacts, rate=1.0 / BLOCK)  # a row a sample
     episode, belief = Episode(function, run, 0.0 * run.time, run.q), Belief(rows, np.zeros(0))
     right, sure = _judge(each, episode, belief)
-    late = _delays(each, episode, belief)
+    late = [*_delays(each, episode, belief), *_seat_off([each], [episode], [belief])]
     wrong = 100.0 * float(np.mean(~right[sure]))
     delay = 1e3 * float(np.quantile(late, 0.95)) if late else np.nan
     knees = [limb.joints.start + 1 for limb in plant.leg.limbs]
-    plan = motion.at(run.time).torque[:, knees]
-    beside = np.sqrt(np.mean(((run.tau + run.interaction)[:, knees] - plan) ** 2)) / np.sqrt(np.mean(plan**2))
+    plan = loop.planned_knees(plant)[-len(run.time) :]
+    beside = (run.tau + run.interaction)[:, knees] - plan
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
-    figures.append(100.0 * float(beside) if rail is None and function.name == "squat" else np.nan)
+    figures.append(100.0 * float(np.sqrt(np.nanmean(beside**2) / np.nanmean(plan**2))))
     stops = [k for k, d in enumerate(shown) if d.level == "damping"]
     moved = legs_flexion(plant.leg, run.q[[-1, stops[0]]] if stops else run.q[[-1, -1]])
     figures.append(0.0 if goes_on else 1e3 * float(np.abs(moved[0] - moved[1]).max()))
@@ -410,9 +451,11 @@ COORDINATED = (
     "rail [N]",
     "wrong [%]",
     "delay [ms]",
+    "knees [%]",
 )
 """Columns of the closed loop: errors of joints at the end and RMS, time of damping and of support in the air, largest
-forces, contacts told wrong further than 100 ms from a transition, and 95 % of delays."""
+forces, contacts told wrong further than 100 ms from a transition, 95 % of delays, and RMS of the torque of the knees
+beside what the reference takes with the truth, on the same contacts and rail."""
 
 WALKS = {
     "walk": Steps(),
@@ -433,12 +476,13 @@ def wearer_bodies(leg: exoid.Leg, rng: np.random.Generator | None = None) -> lis
     trunk = 0.288 * height  # head, arms and trunk, of the hip
     out = [Payload(leg.description.root_link, about(0.678 * mass, 0.05), (0.0, 0.0, about(0.626 * trunk, 0.05)), 0.25)]
     for limb in leg.limbs:
-        hip, knee, ankle = leg.joint_names[limb.joints]
-        for joint, part in ((hip, WINTER["hip"]), (knee, WINTER["knee"])):
+        joints = leg.joint_names[limb.joints]
+        for joint, part in ((joints[0], WINTER["hip"]), (joints[1], WINTER["knee"])):
             weight, _, below, gyration = part
             place = (0.0, 0.0, about(-below * height, 0.05))
             out.append(Payload(joint, about(weight * mass, 0.1), place, gyration * height))
-        out.append(Payload(ankle, 0.0145 * mass, (0.05, 0.0, -0.04)))
+        foot = -0.04 if len(joints) > 2 else 0.04 - Body.of(leg, SOLES["cuhk"]).shank  # below the last joint
+        out.append(Payload(joints[-1], 0.0145 * mass, (0.05, 0.0, foot)))
     return out
 
 
@@ -465,11 +509,11 @@ def worn(truth: GroundPlant, model: exoid.Estimate, seed: int) -> tuple[GroundPl
     return replace(truth, leg=true), replace(model, model=own, values=values, covariance=covariance)
 
 
-def all_worn(seed: int) -> dict[tuple[str, str], FloatArray]:
-    """Figures of a seed with a wearer of 75 kg in BLEEX, who makes no or half of the planned torque."""
+def all_worn(machine: str, seed: int, _: str | None = None) -> dict[tuple[str, str], FloatArray]:
+    """Figures of a seed with a wearer of 75 kg, who makes no or half of the planned torque."""
     warnings.simplefilter("ignore")
-    truth = truth_of("bleex", np.random.default_rng(seed))
-    truth, model = worn(truth, identified("bleex", truth, 10 * seed), seed)
+    truth = truth_of(machine, np.random.default_rng(seed))
+    truth, model = worn(truth, identified(machine, truth, 10 * seed), seed)
     wearers = {"passive": PASSIVE, "half": GroundWearer(effort=0.5)}
     return {(n, w): coordinated(truth, model, n, wearers[w], seed) for n in ("rise", "sit", "squat") for w in wearers}
 
@@ -516,7 +560,7 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int, only: str |
     headers = ("cases", "done", "goes on", "safe stop", "neither", "sunk", "support in the air", "torque [N·m]")
     print(f"{'':20s}" + "".join(f"{name:>20s}" for name in headers))
     for event in dict.fromkeys(name for _, name, _ in found):
-        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 4)
+        rows = np.array([figures for _, name, figures in found if name == event]).reshape(-1, len(COORDINATED) + 3)
         done, goes_on, safe = (rows[:, [0, -2, -1]] > 0.0).T
         air = rows[:, COORDINATED.index("air [ms]")] > 60.0
         sunk = rows[:, -3] > SUNK
@@ -531,7 +575,7 @@ def print_planted(machine: str, seeds: range, jobs: int, count: int, only: str |
 
 def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -> None:
     """Run the closed loop, and print how many cases end as they should, and the largest figures."""
-    calls = (delayed(all_worn)(s) if only == "worn" else delayed(all_coordinated)(machine, s, only) for s in seeds)
+    calls = (delayed(all_worn if only == "worn" else all_coordinated)(machine, s, only) for s in seeds)
     found = []
     for each in Parallel(n_jobs=jobs, return_as="generator")(calls):
         found.append(each)
@@ -540,10 +584,8 @@ def print_coordinated(machine: str, seeds: range, jobs: int, only: str | None) -
     print(f"{'':20s}" + "".join(f"{name:>13s}" for name in COORDINATED))
     for name, who in found[0]:
         rows = np.array([each[name, who] for each in found])
-        *cells, knees, _, _, _ = np.fmax.reduce(rows[:, 1:], axis=0)
+        *cells, _, _, _ = np.fmax.reduce(rows[:, 1:], axis=0)
         print(f"{name:11s} {who:8s}{int(rows[:, 0].sum()):8d} of {len(rows)}" + "".join(f"{x:13.3g}" for x in cells))
-        if np.isfinite(knees):
-            print(f"{'':20s}torque of the knees beside the plan, RMS: {knees:.1f} %", flush=True)
 
 
 class Probe(GroundLoop):
