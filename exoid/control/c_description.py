@@ -52,6 +52,7 @@ def describe(
         tuple(ArrayInC(name, what, np.zeros(model.n)) for name, what in (memory or {}).items()),
         begin,
         leg=_leg_in_c(model, calls, friction, dialect),
+        limit=model.driven(np.full(model.n, np.inf)),
     )
 
 

@@ -84,5 +84,5 @@ def linearise(model: ControlModel, q: FloatArray, v: FloatArray, a: FloatArray) 
     A[:n, n:] = np.eye(n)
     A[n:, :n] = -inverse @ (by_q + of_springs)
     A[n:, n:] = -inverse @ (by_v + np.diag(model.viscous))
-    B[n:] = inverse
+    B[n:] = np.where(model.drives, inverse, 0.0)
     return A, B

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from exoid._typing import ArrayLike, FloatArray
+from exoid._typing import ArrayLike, BoolArray, FloatArray
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError
 from exoid.estimate import Estimate
 from exoid.leg.leg import Leg
@@ -40,6 +40,7 @@ class ControlModel:
         viscous: Viscous friction [N·m·s/rad], (n,).
         armature: Rotor inertia that is not part of the bodies [kg·m²], (n,).
         others: Other terms.
+        passive: Joints without an actuator, which get no torque from any law.
 
     Raises:
         ExoidError: The base of the leg floats.
@@ -51,6 +52,7 @@ class ControlModel:
     viscous: FloatArray
     armature: FloatArray
     others: tuple[OtherTerm, ...] = field(default=())
+    passive: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the base."""
@@ -82,7 +84,7 @@ class ControlModel:
             if open_:
                 what = "not determined by the recordings, and used with values near the leg as it was given and near"
                 warnings.warn(f"{what} zero for friction and offsets: {', '.join(open_)}", UserWarning, stacklevel=2)
-            return cls.of_parameters(source.model, known.values)
+            return replace(cls.of_parameters(source.model, known.values), passive=source.passive)
         if isinstance(source, Leg):
             nothing = np.zeros(len(source.joint_names))
             return cls(source, nothing[None], nothing, nothing, nothing)
@@ -157,6 +159,10 @@ class ControlModel:
     def n(self) -> int:
         """Number of joints."""
         return len(self.coulomb)
+
+    def driven(self, values: FloatArray) -> FloatArray:
+        """Set what belongs to passive joints to zero, in the first axis of an array."""
+        return np.where(self.drives.reshape(-1, *(1,) * (values.ndim - 1)), values, 0.0) if self.passive else values
 
     def statics(self, q: FloatArray) -> FloatArray:
         """Compute the torque that holds the leg at q: gravity, springs and offsets.
@@ -245,6 +251,11 @@ class ControlModel:
     def radian(self) -> FloatArray:
         """What counts as a radian at each joint, 1 rad or 0.1 m, (n,)."""
         return radians(self.leg)
+
+    @cached_property
+    def drives(self) -> BoolArray:
+        """Whether each joint has an actuator, (n,)."""
+        return np.isin(self.leg.joint_names, self.passive, invert=True)
 
     @cached_property
     def pinocchio(self) -> pin.Model:

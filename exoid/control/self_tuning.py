@@ -99,7 +99,7 @@ class SelfTuning:
         values = values + self._shortened(share * (memory.aim.reshape(values.shape) - values), SLEW / self.rate)
         q, v, a = (x.reshape(n, -1).T for x in (target.q, target.v, acceleration(target)))
         W = self._ahead.regressor(q, v, a)
-        torque = feedback + np.einsum("bnp,pb->nb", W, values).reshape(shape)
+        torque = self.feedback.known.driven(feedback + np.einsum("bnp,pb->nb", W, values).reshape(shape))
         memory = memory._replace(values=values.reshape(memory.values.shape), requested=torque.reshape(n, -1))
         return sound(torque, state, target), memory
 
@@ -208,7 +208,7 @@ def self_tuning(
     covariance[rubbing, rubbing] += (friction * known.values[rubbing]) ** 2
     # The cut-off is what the rate can carry. Noise of the angles costs the law more than a harmonic that is missing
     settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5), flat=False)
-    return SelfTuning(feedback, replace(known, covariance=covariance), settings)
+    return SelfTuning(replace(feedback, model=model), replace(known, covariance=covariance), settings)
 
 
 def exact_estimate(model: ControlModel) -> Estimate:

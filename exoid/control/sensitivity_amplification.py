@@ -132,7 +132,8 @@ class SensitivityAmplification:
         if self.friction is not None:
             filtered = state._replace(q=moved.q, v=moved.v)
             inertial = inertial + self.friction.torque(self.model, filtered, target)
-        return sound(self.model.statics(state.q) + spread(self.share, state.q) * inertial, state), moved
+        torque = self.model.statics(state.q) + spread(self.share, state.q) * inertial
+        return sound(self.model.driven(torque), state), moved
 
     def in_c(self, dialect: Dialect) -> LawInC:
         """Describe the law in C; it has no reference."""

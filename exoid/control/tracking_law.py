@@ -180,7 +180,8 @@ class TrackingLaw:
     def feedback(self, state: State, target: Target) -> FloatArray:
         """Compute kp (θ_d − θ) + kd (θ̇_d − θ̇)."""
         q, v = state.q, state.v
-        return spread(self.kp, q) * (target.q - q) + spread(self.kd, v) * (target.v - v)
+        u = spread(self.kp, q) * (target.q - q) + spread(self.kd, v) * (target.v - v)
+        return u if self.model is None else self.model.driven(u)
 
     def torque(self, state: State, target: Target) -> FloatArray:
         """Compute the torque; see the class."""
@@ -189,6 +190,7 @@ class TrackingLaw:
             torque = kind.torque(self, state, target)
             if self.friction is not None:
                 torque = torque + self.friction.torque(self.known, state, target)
+            torque = torque if self.model is None else self.model.driven(torque)
             return sound(torque, state, target if kind.inputs else None)
         except (AttributeError, TypeError, ValueError) as error:  # of numpy: lists, other sizes, no target
             raise unsound(state, target) from error
@@ -202,6 +204,7 @@ class TrackingLaw:
         n = sizes[0] if self.model is None else self.model.n
         full = self.feedforward == "optimal"  # (n, n) each, and one table in C
         kp, kd = (gain if full else for_joints(gain, n, name) for gain, name in ((self.kp, "kp"), (self.kd, "kd")))
+        kp, kd = (gain if self.model is None else self.model.driven(gain) for gain in (kp, kd))
         numbers = [np.hstack([kp, kd])] if full else [kp, kd]
         tables = {name: (gain, what) for (name, what), gain in zip(kind.gains.items(), numbers, strict=False)}
         feedback = "{{p}}_kp[j] * (in->q_d[j] - in->q[j]) + {{p}}_kd[j] * (in->v_d[j] - in->v[j])"

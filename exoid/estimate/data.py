@@ -42,6 +42,7 @@ class Input:
     payloads: tuple[str, ...] = ()  # payloads on the leg, as text; empty for none
     moving_base: bool = False  # whether the base moved
     wrenches: tuple[str, ...] = ()  # links on which wrenches were measured
+    passive: tuple[str, ...] = ()  # joints without an actuator
 
     @property
     def label(self) -> str:
@@ -136,6 +137,11 @@ class EstimateData(ParameterTable):
     def joint_names(self) -> tuple[str, ...]:
         """Joints of the leg."""
         return self.model.leg.joint_names
+
+    @property
+    def passive(self) -> tuple[str, ...]:
+        """Joints that have no actuator by any of the recordings; control laws give them no torque."""
+        return tuple(name for name in self.joint_names if any(name in one.passive for one in self.inputs))
 
     @property
     def trained(self) -> tuple[bool, ...]:

@@ -31,7 +31,7 @@ from .text import numbers_to_json
 
 SCHEMA = "exoid-estimate-2"
 
-OPTIONAL = ("segments", "payloads", "moving_base", "wrenches")
+OPTIONAL = ("segments", "payloads", "moving_base", "wrenches", "passive")
 """Keys of a recording that are left out of a file where there is nothing to say."""
 
 WRITTEN = "give the file that exoid identify -o wrote; it stands before the logs"

@@ -150,8 +150,8 @@ def evidence(data: Recording | Poses) -> Input:
     """Describe a recording by its name, hash and size."""
     rate, segments = (data.sample_rate, data.segment_times) if isinstance(data, Recording) else (0.0, ())
     payloads = tuple(map(str, data.payloads))
-    base, wrenches = (getattr(data, name, None) for name in ("base", "wrenches"))
-    about = (len(data), rate, segments, payloads, base is not None, tuple(wrenches or ()))
+    base, wrenches, passive = (getattr(data, name, None) for name in ("base", "wrenches", "passive"))
+    about = (len(data), rate, segments, payloads, base is not None, tuple(wrenches or ()), passive or ())
     if data.source is not None:
         return Input(data.source.name, data.source.sha256, *about)
     named = ("time", "q", "v", "a", "tau", "current", "force", "motor_torque", "motor_angle")

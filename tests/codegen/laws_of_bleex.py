@@ -1,5 +1,6 @@
 """Laws of a BLEEX leg with many terms, for tests of their C."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -69,6 +70,7 @@ def laws() -> dict[str, object]:
         "sensitivity_amplification": sensitivity_amplification(source, (2.0, 4.0, 1.5), bandwidth=12.0, rate=200.0),
         "impedance": impedance(source, KP, KD),
         "lqr": lqr(source, mean_pose(gait(), PERIOD)),
+        "passive_ankle": computed_torque(replace(source, passive=("left_ankle",)), 25.0, 10.0),
     }
 
 

@@ -21,7 +21,7 @@ EXACT, SINGLE = 1e-12, 1e-5
 """Largest error allowed in double and in float, relative to the largest torque."""
 
 NAMES = tuple(laws())
-SAFE = {"gravity_friction_pd": "gravity", "computed_torque": "zero", "lqr": "gravity"}
+SAFE = {"gravity_friction_pd": "gravity", "computed_torque": "zero", "passive_ankle": "zero", "lqr": "gravity"}
 """Safe torque of laws that do not have the default one."""
 
 

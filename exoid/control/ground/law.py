@@ -318,7 +318,7 @@ def stance(
         kd: Gain of rates [1/s], likewise.
         friction: Compensation of joint friction, which never drives; None for none.
         ground_friction: Coefficient of friction that the law may use, less than that of the ground.
-        limit: Largest torque [N·m], a number or (n,); None for the limits of the URDF. Zero for a passive joint.
+        limit: Largest torque [N·m], a number or (n,); None for the limits of the URDF. Zero at passive joints.
         power: Largest power of a joint [W], a number or (n,).
         rate: Rate of the law in C [Hz], for its watchdog.
 
@@ -351,7 +351,7 @@ def stance(
         _per_task(kd, "kd", n),
         friction,
         float(ground_friction),
-        np.broadcast_to(checked(limit, "limit", least=0.0, infinite=True), n),
+        model.driven(np.broadcast_to(checked(limit, "limit", least=0.0, infinite=True), n)),
         np.broadcast_to(checked(power, "power", above=0.0, infinite=True), n),
         # distance of the centre of pressure from the ends of a sole [m], with two standard deviations of its place
         0.01 + (0.0 if estimate is None else 2.0 * _pressure_std(estimate)),

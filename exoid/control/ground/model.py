@@ -78,7 +78,7 @@ class GroundModel(ControlModel):
                     remedy="identify with a log of stance as well, and mend what the findings of the estimate name",
                     parameters=("M",),
                 )
-            model = cls.of_parameters(source.model, known.values)  # type: ignore[assignment]
+            model = replace(cls.of_parameters(source.model, known.values), passive=source.passive)  # type: ignore[assignment]
         else:
             model = cls.of(source)  # type: ignore[assignment]
         soles = soles_of(model.leg, soles)

@@ -60,6 +60,7 @@ def observer_in_c(
         memory=(*law.memory, remembered),
         helpers=step_of("observer_helpers"),
         gives="torque of the wearer on the leg",
+        limit=np.inf,  # he may turn passive joints, too
         settling=settling,
         farthest=FASTEST / rate,
     )

@@ -1,0 +1,70 @@
+"""Joints without an actuator: an estimate knows them, and no law counts on a torque that nothing makes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import exoid
+from exoid import Coulomb, Stiffness, Viscous, control
+from exoid.experiments import gait_for_leg, healthy_gait
+from exoid.rig import Plant
+
+LEG = exoid.load_leg("bleex")
+FRICTION = {"c0_hip": 1.0, "c0_knee": 0.8, "d_hip": 0.5, "d_knee": 0.4, "d_ankle": 1.5}
+PLANT = Plant.build(LEG, {**FRICTION, "b1_ankle": 20.0}, end_stops=False)  # a spring holds the foot
+GAIT, PERIOD, RATE = gait_for_leg(LEG, healthy_gait(0.5, 3.0)), 3.0, 200.0
+TERMS = (Coulomb(joints=("hip", "knee")), Viscous(), Stiffness(degree=1, joints=("ankle",)))
+NAMES = ("feedforward_pd", "computed_torque", "lqr", "self_tuning")
+
+
+class OnlyHipAndKnee:
+    """Computed torque whose drive at the ankle is missing."""
+
+    rate = RATE
+    whole = control.computed_torque(PLANT, 100.0, 20.0)
+
+    def torque(self, state, target):
+        torque = self.whole.torque(state, target).copy()
+        torque[2] = 0.0
+        return torque
+
+
+@pytest.fixture(scope="module")
+def estimate(tmp_path_factory):
+    """Identified from a log whose ankle is passive, and read from its file."""
+    run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 12.0, log_rate=RATE)
+    found = exoid.identify(LEG, replace(run.recording, passive=("left_ankle",)), TERMS)
+    path = tmp_path_factory.mktemp("estimate") / "est.json"
+    found.save(path)
+    return exoid.Estimate.load(path)
+
+
+@pytest.mark.filterwarnings("ignore:not determined by the recordings")
+def test_laws_leave_a_passive_ankle_alone_and_the_other_joints_follow(estimate):
+    """The rig has no torque there: a law that gives one tracks an ankle that nothing moves."""
+    assert estimate.passive == ("left_ankle",)
+    laws = control.standard_laws(
+        estimate, *control.default_gains(estimate, np.zeros(3), RATE), GAIT, PERIOD, rate=RATE, names=NAMES
+    )
+    every = {**laws, "support": control.gravity_support(estimate, friction=control.PASSIVE, rate=RATE)}
+    every["amplification"] = control.sensitivity_amplification(estimate, 2.0, rate=RATE)
+    for name, law in every.items():
+        run = control.simulate_law(PLANT, law, GAIT, 0.2 if name not in laws else 6.0, log_rate=RATE)
+        assert not run.tau[:, 2].any(), name
+        if name in laws:
+            rms = np.sqrt((run.error[400:] ** 2).mean(axis=0))
+            assert (rms[:2] < 0.01).all(), (name, rms)
+            assert rms[2] > 0.02, "the gait is not that of a foot on a spring"
+
+
+def test_the_lqr_gain_is_that_of_the_torques_there_are():
+    """Stable with hip and knee alone, where the rows of a gain for three torques are not."""
+    model = replace(control.ControlModel.of(PLANT), passive=("left_ankle",))
+    pose = control.mean_pose(GAIT, PERIOD)
+    law = control.lqr(model, pose, angle_deg=0.2, rate=RATE)
+    assert not law.kp[2].any()
+    assert not law.kd[2].any()
+    assert law.kp[:2].any()
+    whole = control.lqr(control.ControlModel.of(PLANT), pose, angle_deg=0.2, rate=RATE)
+    assert np.abs(law.kp[:2] - whole.kp[:2]).max() > 0.01 * np.abs(whole.kp).max()
