@@ -36,6 +36,16 @@ def test_a_filter_that_takes_the_noise_out_has_none(noise, cutoff):
     assert not found(noise, cutoff=cutoff)
 
 
+def test_many_logs_on_disk_without_noise_have_none(tmp_path):
+    """A few of them have another solution than all, which is no noise of the angles."""
+    swing = Swing(SWING.leg, 100.0, 5.0, smoothing=0.015)
+    for seed in range(100):
+        log = swing.with_noise(np.random.default_rng(seed), 0.3)
+        replace(log, v=None, a=None).to_csv(tmp_path / f"{seed}.csv")
+    estimate = exoid.identify(swing.leg, exoid.Recordings.from_folder(tmp_path), TERMS, cutoff=5.0)
+    assert not [one for one in estimate.findings if one.kind == "noisy-angles"]
+
+
 @pytest.mark.parametrize(("base", "repeats"), [(1.0, True), (0.4713, False)])
 def test_rounding_that_is_the_same_in_each_stride_is_part_of_intervals(base, repeats):
     """Each of 40 strides has the same errors: 6 of 10 intervals held, and nothing said so."""
