@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -12,6 +13,7 @@ from exoid._typing import FloatArray
 from exoid.actuators.constants import DriveConstant
 from exoid.errors import ExoidError
 from exoid.estimate.finding import Finding, Severity
+from exoid.regression.least_squares import factorize_rows, rms_residual
 from exoid.signals import Poses, Recording, Recordings, without_torque_delay
 from exoid.signals.cutoff import noisier, noisier_base
 
@@ -24,7 +26,7 @@ from .findings.score import HALF_WIDTH, in_half_widths
 from .findings.search import find_faults
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import change_recordings, torque_delays
+from .row_changes import OTHER_LOG, change_recordings, torque_delays
 
 
 def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray) -> FittedLeg:
@@ -42,6 +44,24 @@ def fitted_leg(fitted: Fitted, group: int, covariance: FloatArray) -> FittedLeg:
     scales = {each.name: each.joint for each in constants if each.constant.is_scale}
     assert rows.preparation is not None
     return FittedLeg(model, rows.data, rows.preparation, fixed, fitted.values(group), covariance, arms, told, scales)
+
+
+def logs_apart(group: Group, values: FloatArray) -> Iterator[Finding]:
+    """Find logs that the fit explains far worse than the others. Finer checks see a few of many."""
+    moving = [k for k in range(len(group.data)) if not group.at_rest(k)]
+    if len(moving) < 3:  # of two, either may be the one that is wrong
+        return
+    every = [factorize_rows(group.decimated(k)) for k in moving]
+    left = np.array([[rms_residual([row], values) for row in of_log] for of_log in every])
+    whole = np.array([rms_residual(of_row, 0.0 * values) for of_row in zip(*every, strict=True)])
+    share = left / np.where(whole > 0.0, whole, np.inf)  # none of a passive joint
+    usual = np.median(share, axis=0)
+    bound = np.minimum(np.maximum(0.25, 3.0 * usual), np.maximum(0.01, 10.0 * usual))
+    for k, of_log, j in zip(moving, share, np.argmax(share / bound, axis=1), strict=True):
+        if of_log[j] > bound[j]:
+            name, joint = group.data[k].file_name or f"recording {k + 1}", group.model.row_names[j]
+            text = f"{of_log[j]:.1%} of the torque is unexplained in {name}, and {usual[j]:.1%} in half of the logs"
+            yield Finding("large-residual", joint, float(of_log[j]), "1", "warning", text, OTHER_LOG, recording=name)
 
 
 def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
@@ -65,10 +85,7 @@ def with_noise_checked(fitted: Fitted, estimator: Estimator) -> Fitted:
         return fitted
     most = float(moves.max())
     shown = f"{', '.join(names[:3])}{' and others' if len(names) > 3 else ''}"
-    message = (
-        f"noise of the angles moves {shown} by up to {most:.2g} half widths of their intervals, which do not "
-        "include it: the filter leaves too much of it in the accelerations"
-    )
+    message = f"noise of the angles, which no interval includes, moves {shown} by up to {most:.2g} half widths"
     remedy = "leave cutoff and preparation out, so that the noise chooses, or use the estimator ml"
     severity: Severity = "error" if most > 2.0 else "warning"
     finding = Finding("noisy-angles", "", most, "1", severity, message, remedy, parameters=names)

@@ -135,10 +135,8 @@ def refuse_unknown_scale(
     weighed = any(Payload.from_text(text).mass > 0.0 for one in summaries for text in one.evidence.payloads)
     values = [*knowledge.known.values(), *(value for value, _ in knowledge.prior.values.values())]
     if not (measured or weighed or any(values) or any(one.pulled for one in summaries)):
-        what = (
-            f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found: a leg "
-            "twice as heavy with motors twice as strong has the same currents"
-        )
+        found = f"nothing is known in N·m, so that {', '.join(each.name for each in scales)} cannot be found"
+        what = f"{found}: a leg twice as heavy with motors twice as strong has the same currents"
         raise NotIdentifiableError(what, remedy=ADVICE, command=COMMAND)
 
 

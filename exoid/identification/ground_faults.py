@@ -30,7 +30,7 @@ from .findings.search import DOUBTFUL_MOVE, FAR_MOVE
 from .footing import Footing, footing_effects
 from .group_rows import Group
 from .problem import Fitted, Problem
-from .row_changes import Effects, beside, best_reading, change_recordings, equations, on_points, residual
+from .row_changes import OTHER_LOG, Effects, beside, best_reading, change_recordings, equations, on_points, residual
 
 SIZES = {
     "torque-scale": (0.02, 0.3, "1", 4.0),
@@ -81,19 +81,18 @@ def unlike_logs(fitted: Fitted, *, scaled: bool) -> Iterator[Finding]:
             *_, tables, of_rows = logs.setdefault(one.q.tobytes(), (one.file_name, one.file_name or described, [], []))
             tables.append(table)
             of_rows.extend(group.model.row_names)
-    remedy = "look for a load (payloads=), a contact, a sign, a unit or a clock that differs in this log"
     every = range(len(fitted.problem.groups))
     for name, described, tables, of_rows in logs.values():
         table = np.hstack(tables)
         if scaled and (scale := other_scale(table[:3])) != 1.0 and best_reading(fitted.problem, every) is None:
             text = f"all torques of {described} are {scale:.2g} times what the other logs say"
-            yield Finding("torque-scale", "", scale, "1", "error", text, remedy, None, fitted.problem.names, name)
+            yield Finding("torque-scale", "", scale, "1", "error", text, OTHER_LOG, None, fitted.problem.names, name)
         shares = np.sqrt(table[2] / (np.maximum(table[3], 1.0) * [most[row] or np.inf for row in of_rows]))
         row, share = of_rows[int(np.argmax(shares))], float(shares.max())  # a passive row has none
         # rows with more lose their weight in silence. Healthy walkers leave 0.18, and 0.28 on feet that rock
         if not scaled and share > (0.4 if any(one.kind == "rocking-foot" for one in fitted.findings) else 0.25):
             text = f"{share:.0%} of the torque of {row} is unexplained in {described}"
-            yield Finding("large-residual", row, share, "1", "warning", text, remedy, recording=name)
+            yield Finding("large-residual", row, share, "1", "warning", text, OTHER_LOG, recording=name)
 
 
 def joint_faults(fitted: Fitted, footing: Footing | None) -> Iterator[Finding]:

@@ -195,10 +195,7 @@ def _footing_findings(footing: Footing, fitted: Fitted) -> Iterator[Finding]:
     halves = 2.0 * np.sqrt(np.diag(footing.found.spread))
     remedy = "record an IMU on the torso, which needs no such assumption"
     for (link, c), half in zip(footing.compliance.items(), halves.tolist(), strict=False):
-        text = (
-            f"the motion of the base follows from {link}, which tilts by {c:.2g} ± {half:.2g} rad/(N·m) "
-            "under the torque of its joint; this was taken into account, and its error is part of all intervals"
-        )
+        text = f"{link} tilts by {c:.2g} ± {half:.2g} rad/(N·m) under the torque of its joint, which intervals include"
         yield Finding("sole-compliance", "", c, "rad/(N·m)", "info", text, remedy, (c - half, c + half))
     names = fitted.models[0].leg.parameter_names
     if footing.knots:

@@ -37,7 +37,7 @@ from exoid.torques import TorqueModel
 from exoid.torques.contacts.stretches import Stretch
 from exoid.torques.contacts.support_model import LOOP, SupportModel
 
-from .checkup import fitted_leg
+from .checkup import fitted_leg, logs_apart
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import check_fit
@@ -172,7 +172,8 @@ class Result:
             evidence = replace(estimate.evidence, ranges=checkup.ranges, torque_spread=checkup.torque_spread)
             rows = problem.groups[parts[0]]
             passive = unbalanced(rows.model, rows.by_row, fitted.fit.solution.values[problem.places[parts[0]]])
-            findings = ordered((*estimate.findings, *checkup.findings, *passive))
+            apart = logs_apart(rows, fitted.values(parts[0]))
+            findings = ordered((*estimate.findings, *checkup.findings, *passive, *apart))
             return replace(estimate, findings=findings, model_error=error, evidence=evidence)
         values, groups = estimate.values, self._ordinary(parts)
         found = [*torque_findings(fitted, parts), *mass_scale(estimate.model.leg, values, estimate.names)]

@@ -30,6 +30,9 @@ from .findings.sample import few_of
 from .group_rows import Group
 from .problem import Fitted, Problem
 
+OTHER_LOG = "look for a load (payloads=), a contact, a sign, a unit or a clock that differs in this log"
+"""Remedy for a log that is unlike the others."""
+
 
 class RowChanges(NamedTuple):
     """Numbers c that change rows, r(c) = r − D c, found beside the parameters."""

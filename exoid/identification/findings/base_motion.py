@@ -47,10 +47,7 @@ def out_of_plane_base(fitted: FittedLeg) -> Iterator[Finding]:
     for j, joint in enumerate(model.leg.joint_names):
         share = float(worst[j])
         if share > 0.01:
-            message = (
-                f"the base rotates out of the plane of the leg, which adds {100.0 * share:.2g} % to the torque "
-                f"of {joint} that X, Y and J do not describe"
-            )
+            message = f"the base turns out of the leg's plane: X, Y, J do not describe {share:.2%} of {joint}'s torque"
             remedy = 'use Leg.from_urdf(..., base="moving"), which describes it, or record straighter walking'
             severity: Severity = "error" if share > 0.1 else "warning"
             doubtful, where = tuple(np.array(model.names)[model.acting[j]].tolist()), name if len(data) > 1 else ""

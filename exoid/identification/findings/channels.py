@@ -145,10 +145,8 @@ def _frozen(channel: Channel, runs: Sequence[tuple[int, int]]) -> Iterator[Findi
     start, end = channel.time[first], channel.time[stop - 1]
     more = f" and {len(runs) - 1} other times" if len(runs) > 1 else ""
     share = count / len(channel.x)
-    message = (
-        f"the {channel.noun} keeps one value from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of the log) "
-        "although the leg moves: the channel froze"
-    )
+    where = f"from {start:.3f} s to {end:.3f} s{more} ({share:.1%} of {channel.time[-1] - channel.time[0]:.3g} s)"
+    message = f"the {channel.noun} keeps one value {where} although the leg moves: the channel froze"
     remedy = "use the part of the log before or after it (Recording.between, --start, --stop)"
     severity: Severity = "error" if share > 0.02 else "warning"
     yield Finding("stuck-channel", channel.joint, count / channel.rate, "s", severity, message, remedy)
@@ -175,11 +173,8 @@ def repeated_values(channel: Channel) -> Iterator[Finding]:
         return
     share = float(np.mean((steps == 0.0) & counts)) / max(share_of, 0.1)
     if share >= least:
-        message = (
-            f"{share:.1%} of the {channel.noun}s repeat the sample before: the log asks faster than the sensor "
-            f"answers (about {(1.0 - share) * channel.rate:.3g} new values a second), so that {channel.noun} is "
-            "late by up to a sample of the sensor"
-        )
+        message = f"{share:.1%} of the {channel.noun}s repeat the sample before, which makes them late"
+        message += f": the sensor has {(1.0 - share) * channel.rate:.3g} new values a second"
         remedy = "log at the rate of the sensor, or with the time stamps of its own messages"
         yield Finding("stale-samples", channel.joint, share, "1", "warning", message, remedy)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -76,14 +77,15 @@ def signal_findings(model: TorqueModel, data: Sequence[Recording | Poses]) -> It
     for one in recordings:
         chosen = model.select(one)
         found: dict[tuple[str, str], Finding] = {}
-        starts = np.linspace(0, len(one) - 10_000, 10).astype(int).tolist()  # of a long log, ten segments spread evenly
-        for part in [chosen.slice(k, k + 10_000) for k in starts] if len(one) > 100_000 else [chosen]:
-            checks = channel_findings, wraps, angle_jumps, missing_samples, stamp_jitter, late_velocities
-            every = (found_there for look in checks for found_there in look(part))
-            for finding in (*every, *(loop_gaps(closure, one) if closure is not None else ())):
-                key = (finding.kind, finding.joint)
-                if key not in found or abs(finding.value) > abs(found[key].value):
-                    found[key] = finding
+        checks = channel_findings, wraps, angle_jumps, missing_samples, stamp_jitter, late_velocities
+        count = len(one) // 10_000 if len(one) > 100_000 else 1  # what lasts for seconds would not show in minutes
+        ends = np.linspace(0, len(one), count + 1).astype(int).tolist()
+        parts = (chosen.slice(start, stop + 100) for start, stop in pairwise(ends))  # a jump may be where they join
+        every = (there for part in parts for look in checks for there in look(part))
+        for finding in (*every, *(loop_gaps(closure, one) if closure is not None else ())):
+            key = (finding.kind, finding.joint)
+            if key not in found or abs(finding.value) > abs(found[key].value):
+                found[key] = finding
         for (kind, joint), finding in found.items():
             joints, text = list(range(len(model.acting))), finding.message
             if joint and not kind.startswith("velocity") and "angle" not in text:  # both couple the joints

@@ -108,10 +108,8 @@ def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
         looks = "as N·mm would be, or a current in mA times N·m per A"
     elif size < 1.0:
         looks = "as the torque of the motor in front of a gear, or a current in amperes, would be"
-    message = (
-        f"{f'the torque of {joint}' if joint else 'all torques'} is {size:.3g} times what the URDF's inertias "
-        f"ask for, {looks}; the log alone cannot tell"
-    )
+    torques = f"the torque of {joint} is" if joint else "all torques are"
+    message = f"{torques} {size:.3g} times what the URDF's inertias ask for, {looks}; the log alone cannot tell"
     remedy = (
         "convert the torque to N·m at the joint by the unit or the scale of its column (a current: N·m per A, "
         "tau_<joint>=HEADER:SCALE); if it is right, the URDF's inertias are wrong"
@@ -153,10 +151,7 @@ def impossible_leg(
     apart = max(apart, distance)
     away = f"{apart:.3g} standard deviations away"
     message = f"no leg can have these parameters ({'; '.join(reasons)}): the nearest that can are {away}"
-    remedy = (
-        "look for a wrong sign, unit, length, payload or contact, or interchanged columns; rotors and springs "
-        "that the model lacks also do this"
-    )
+    remedy = "look for a wrong sign, unit, length, payload, contact or column, or for missing rotors and springs"
     # but they make no mass negative: of a machine on a floating base, or of all links behind a prismatic joint
     K, of_masses = leg.reduction.collect, np.arange(leg.reduction.collect.shape[1]) % 10 == 0
     masses = (np.abs(K[:, ~of_masses]) < 1e-9).all(axis=1) & (K[:, of_masses] > -1e-9).all(axis=1)

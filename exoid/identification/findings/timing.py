@@ -114,10 +114,9 @@ def missing_samples(recording: Recording) -> Iterator[Finding]:
     worst = max(places, key=lambda k: gap[k])
     lost = float(sum(gap[k] for k in places))
     error = max(2.0 / float(np.sqrt(information[worst])), 0.5 / rate)  # no finer than half an interval
-    message = (
-        f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on: at "
-        f"{recording.time[worst + WINDOW - 1]:.3f} s all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
-    )
+    gaps = f"{len(places)} gap{'s' if len(places) > 1 else ''} although the time stamps run on"
+    when = f"{recording.time[worst + WINDOW - 1]:.3f} s"
+    message = f"{gaps}: at {when} all angles jump by what they travel in {1e3 * gap[worst]:.3g} ms"
     interval = (max(0.0, lost - error), lost + error) if len(places) == 1 else None
     yield Finding("missing-samples", "", lost, "s", "warning", message, SPLIT, interval)
 

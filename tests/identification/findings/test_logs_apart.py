@@ -1,0 +1,32 @@
+"""One log that differs among many: named with its file, however many there are and wherever it stands."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from swings import Swing
+
+import exoid
+
+LEG, COUNT, PLACE = exoid.load_leg("cuhk"), 45, 8
+"""More logs than finer checks look at; the one at this place is not among these."""
+
+FAULTS = {
+    "sign of one torque": lambda one: replace(one, tau=one.tau * [-1.0, 1.0]),
+    "scale of all": lambda one: replace(one, tau=1.5 * one.tau),
+    "zero of an angle": lambda one: replace(one, q=one.q + np.array([0.0, 0.3])),
+    "torques interchanged": lambda one: replace(one, tau=one.tau[:, ::-1]),
+    "none": lambda one: one,
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_log_unlike_the_others_is_named(fault, tmp_path):
+    rng = np.random.default_rng(1000)
+    for k in range(COUNT):
+        swing = Swing(LEG, 100.0, 4.0, base=rng.uniform(0.3, 1.2), smoothing=0.015)
+        log = replace(swing.with_noise(rng, 0.3), v=None, a=None)
+        (FAULTS[fault](log) if k == PLACE else log).to_csv(tmp_path / f"{k}.csv")
+    found = exoid.identify(LEG, exoid.Recordings.from_folder(tmp_path)).findings
+    named = [one.recording for one in found if one.kind == "large-residual"]
+    assert named == ([] if fault == "none" else [f"{PLACE}.csv"])
