@@ -121,5 +121,5 @@ def shared_agreement(
     covariance = scipy.linalg.block_diag(*blocks)
     equality = equality_of(places, np.concatenate(values), covariance, np.concatenate(dofs))
     below = ", ".join(equality.below(0.01))  # in 1 % of groups that do share their parameters
-    warning = f"groups disagree on {below}, which they share, by more than noise: make these own, or find what differs"
+    warning = f"groups do not agree on {below} by more than noise explains: make these own, or find what differs"
     return equality, (warning,) if below else (), ()
