@@ -17,6 +17,7 @@ from exoid.leg.leg_data import refuse_floating_base
 from exoid.leg.lift.pseudo_inertia import make_consistent, pseudo_inertias
 from exoid.leg.model import configuration
 from exoid.regression.diagnostics import SIZE
+from exoid.regression.residuals import matrix_root
 from exoid.rig import Plant
 from exoid.rig.plant import STIFFNESS_DEGREE
 from exoid.tools.numbers import checked
@@ -358,18 +359,21 @@ def completed(source: Estimate) -> Estimate:
         what = "the estimate has errors, and so has a law that is made of it; its findings say what to mend"
         warnings.warn(f"{what}: {', '.join(errors)}", UserWarning, stacklevel=3)
     free = np.flatnonzero((np.array(source.identifiability) == "not") & (source.std > 0.0))
-    if not len(free):
-        return source
     if len(free) == len(source.names):
         what, where = "the recordings determine no parameter: a law would compensate noise", source.leg.description.name
         remedy = "identify with a longer or faster log, or give the leg itself (exoid.Leg) as the model"
         raise NotIdentifiableError(what, where=where, remedy=remedy, parameters=source.names)
+    # springs and friction of a passive joint stay: without a measured torque nothing says what size they could have
+    size = SIZE * np.minimum(source.parameter_scale, source.reference_scale)
+    free = free[size[free] > 0.0]
+    if not len(free):
+        return source
     # Bayes' rule with a prior of these alone. It is as wide as a CAD model may be wrong, not as all torque of the log:
     # where joints stick, friction looks like ten times the gravity. Combinations that the log determines stay.
     leg, count = source.model.leg, len(source.model.leg.parameters)
     given = np.zeros(len(source.names))
     given[:count] = leg.parameters
-    prior = np.diag((SIZE * np.minimum(source.parameter_scale, source.reference_scale)) ** 2)
+    prior = np.diag(size**2)
     bodies = payload_covariance(leg, 0.3 * leg.link_parameters.reshape(-1, 10)[:, 0])  # masses are 30 % wrong
     prior[:count, :count] = bodies + 0.1 * np.diag(np.diag(bodies))  # point masses alone have a singular one in space
     C, apart, among = source.covariance, (given - source.values)[free], np.ix_(free, free)
@@ -377,8 +381,12 @@ def completed(source: Estimate) -> Estimate:
     for _ in range(40):  # a singular one cannot agree
         C = C * (1.0 + (apart @ np.linalg.solve(C[among] + prior[among], apart) > len(free)))
     gain = np.linalg.solve(C[among] + prior[among], C[free]).T
-    covariance = C - gain @ C[free]
-    return replace(source, values=source.values + gain @ apart, covariance=0.5 * (covariance + covariance.T))
+    left = np.eye(len(C))
+    left[:, free] -= gain
+    # Joseph's form: differences of large variances would leave negative ones
+    half = np.hstack([left @ matrix_root(C), gain @ matrix_root(prior[among])])
+    half[source.std == 0.0] = 0.0
+    return replace(source, values=source.values + gain @ apart, covariance=half @ half.T)
 
 
 def payload_covariance(leg: Leg, payload: ArrayLike) -> FloatArray:

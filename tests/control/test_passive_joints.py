@@ -31,10 +31,16 @@ class OnlyHipAndKnee:
 
 
 @pytest.fixture(scope="module")
-def estimate(tmp_path_factory):
-    """Identified from a log whose ankle is passive, and read from its file."""
+def log():
+    """Log of a machine whose ankle is passive."""
     run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 12.0, log_rate=RATE)
-    found = exoid.identify(LEG, replace(run.recording, passive=("left_ankle",)), TERMS)
+    return replace(run.recording, passive=("left_ankle",))
+
+
+@pytest.fixture(scope="module")
+def estimate(log, tmp_path_factory):
+    """Identified, and read from its file."""
+    found = exoid.identify(LEG, log, TERMS)
     path = tmp_path_factory.mktemp("estimate") / "est.json"
     found.save(path)
     return exoid.Estimate.load(path)
@@ -56,6 +62,16 @@ def test_laws_leave_a_passive_ankle_alone_and_the_other_joints_follow(estimate):
             rms = np.sqrt((run.error[400:] ** 2).mean(axis=0))
             assert (rms[:2] < 0.01).all(), (name, rms)
             assert rms[2] > 0.02, "the gait is not that of a foot on a spring"
+
+
+def test_a_spring_that_the_log_hardly_tells_from_the_foot_stays(log):
+    """Nothing says what size it could have, where no torque was measured: it became zero, and the foot with it."""
+    estimate = exoid.identify(LEG, log, (Coulomb(joints=("hip", "knee")), Viscous(), Stiffness(degree=2)))
+    assert estimate["b1_ankle"].identifiability == "not"
+    with pytest.warns(UserWarning, match="not determined"):
+        model = control.ControlModel.of(estimate)
+    assert model.spring[-2, 2] == pytest.approx(20.0, rel=0.2)
+    control.computed_torque(model, 100.0, 20.0, rate=RATE)
 
 
 def test_the_lqr_gain_is_that_of_the_torques_there_are():
