@@ -37,7 +37,7 @@ def fast_blocks(recordings: Sequence[Recording]) -> Blocks:
     speeds = [np.abs(np.gradient(r.q, r.time, axis=0)) if r.v is None else np.abs(r.v) for r in recordings]
     size = np.sqrt(np.mean(np.vstack(speeds) ** 2, axis=0))
     size = np.where(size > 0.0, size, 1.0)
-    starts = [np.arange(r.time[0], r.time[-1], 1.0) for r in recordings]
+    starts = [r.time[0] + np.arange(max(1.0, np.round(r.duration))) for r in recordings]  # no rest of a few rows
     paces = []
     for r, speed, of_one in zip(recordings, speeds, starts, strict=True):
         seconds = [speed[(r.time >= start) & (r.time < start + 1.0)] for start in of_one]

@@ -59,7 +59,7 @@ class Selection:
         """What speaks against the choice."""
         mine = self.candidate.fast
         best = min(self.candidates, key=lambda one: float(np.nan_to_num(one.fast, nan=np.inf)))
-        if np.isnan(mine):
+        if np.isnan(mine) or best.fast > 1.0:  # a constant predicts better
             return ("the slower seconds do not suffice to predict the faster ones: record longer, at several speeds",)
         if mine <= 1.15 * best.fast:  # set by hand: closer ones are taken for equal
             return ()
