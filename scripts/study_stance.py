@@ -348,6 +348,8 @@ def print_walkers(every: list[tuple[str, dict[str, Walked | str]]]) -> None:
             for _, found in every
             if isinstance(found[less], Walked) and isinstance(found[more], Walked)
         ]
+        if not pairs:
+            continue
         ratio = np.array([after / before for before, after in pairs])
         worse = scipy.stats.wilcoxon(np.log(ratio), alternative="greater").pvalue
         print(

@@ -146,11 +146,10 @@ def stance_motion(
     _balance(plant, q, stands, base, target)
     for leg in swings:
         lowest = float(leg.points(base, q).imag.min())
-        if lowest < 0.01:  # m
-            raise BadArgumentError(
-                f"{leg.foot} would swing {1e3 * lowest:.3g} mm above the ground",
-                remedy="raise the torso, or swing less",
-            )
+        if (lacking := 0.01 - lowest) > 0.0:  # m
+            where = f"{1e3 * abs(lowest):.3g} mm {'above' if lowest > 0.0 else 'below'} the ground"
+            remedy = f"raise the torso by {np.ceil(1e3 * lacking):.0f} mm or more, or swing less"
+            raise BadArgumentError(f"{leg.foot} would swing as low as {where}", remedy=remedy)
     bearings = {leg.foot: Bearing(np.ones_like(time), plant.soles[leg.foot].centre) for leg in stands}
     return planned_motion(plant, time, q, base, bearings)
 
