@@ -203,7 +203,7 @@ def _draw(result: Assessment | Plan | StancePlan) -> dict[str, Figure]:
     from exoid.view.plans import plot_planned_motion, plot_precision  # noqa: PLC0415
 
     with exoid.view.paper():
-        drawn = {"precision": Figure(figsize=(3.5, 4.6))}
+        drawn = {"precision": Figure(figsize=(3.5, max(4.6, 0.6 + 0.14 * len(result.precision.names))))}
         plot_precision(drawn["precision"].subplots(), result.precision)
         if isinstance(result, Plan):
             drawn["motion"] = Figure(figsize=(3.5, 4.6))

@@ -128,6 +128,7 @@ def _of_leg(
     from exoid.control.tracking import tracking_table  # noqa: PLC0415
     from exoid.lab.reproduce.tracking_report import laws_json, tracking_report  # noqa: PLC0415 - see above
     from exoid.tools.numbers import checked  # noqa: PLC0415
+    from exoid.torques.position_units import heading, position_units  # noqa: PLC0415
 
     from .motions import gait, logged  # noqa: PLC0415 - help needs no gaits
 
@@ -154,8 +155,9 @@ def _of_leg(
         seed=seed,
         progress=progress,
     )
+    units = [heading(position_units(leg), of) for of in ("{torque}/{rad}", "{torque}·s/{rad}")]
     each = ", ".join(f"{name} {p:.3g} / {d:.3g}" for name, p, d in zip(labels, kp, kd, strict=True))
-    title = f"{leg.description.name}: reference of {period:g} s; Kp [N·m/rad] / Kd [N·m·s/rad]: {each}"
+    title = f"{leg.description.name}: reference of {period:g} s; Kp [{units[0]}] / Kd [{units[1]}]: {each}"
     tables = [tracking_table(title, runs.values())]
     drives = source.actuators if isinstance(source, exoid.Estimate) else None
     if drives is not None:

@@ -12,6 +12,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.rig import Target
 from exoid.tools.numbers import checked
+from exoid.torques.position_units import position_units
 
 from .law import State
 from .model import ControlModel, ModelSource
@@ -121,9 +122,10 @@ def model_to_compensate(
         what = "friction of the desired velocity, where no motion is desired" if wanted else f"friction is {friction!r}"
         raise BadArgumentError(what, remedy="use SMOOTH, SHARP or PASSIVE")
     model = ControlModel.of(source)
+    units = position_units(model.leg)
     wrong = [
-        f"{label}: {c0:.4g} sgn(v) {d:+.4g} v N·m"
-        for label, c0, d in zip(model.leg.joint_labels, model.coulomb, model.viscous, strict=True)
+        f"{label}: {c0:.4g} sgn(v) {d:+.4g} v {unit.torque}"
+        for label, c0, d, unit in zip(model.leg.joint_labels, model.coulomb, model.viscous, units, strict=True)
         if min(c0, c0 + 1.0 * d) < 0.0
     ]
     if wrong and friction is not None and friction.drives:

@@ -19,6 +19,7 @@ from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, to_text
 from exoid.torques import TorqueModel
+from exoid.torques.position_units import TURNS, PositionUnit, heading, position_units
 
 from .law import AnyLaw, RunningLaw, State, name_of, sound
 from .limited import Limited
@@ -40,6 +41,7 @@ class LawReplay(ReadOnly):
         recorded: Torque in the log at these times [N·m], (N, n); NaN for joints without one.
         limit: Largest torque [N·m], (n,); infinite for none.
         slew: Largest rate of change of the torque [N·m/s], (n,); infinite for none.
+        units: Units of each joint, (n,).
     """
 
     law: str
@@ -50,6 +52,7 @@ class LawReplay(ReadOnly):
     recorded: FloatArray
     limit: FloatArray
     slew: FloatArray
+    units: tuple[PositionUnit, ...]
 
     @property
     def figures(self) -> dict[str, FloatArray]:
@@ -86,17 +89,19 @@ class LawReplay(ReadOnly):
         Returns:
             Values of the joints by the name of the metric; None for a joint without recorded torque.
         """
-        return {"law": self.law, "rate": self.rate, **json_value(self.figures)}
+        joints = {"joint_names": list(self.joint_names), "torque_units": [unit.torque for unit in self.units]}
+        return {"law": self.law, "rate": self.rate, **joints, **json_value(self.figures)}
 
     def __str__(self) -> str:
         """Print as a table, one line for each joint."""
+        unit = heading(self.units, "{torque}")
         titles = {
-            "rms_torque": "rms [N·m]",
+            "rms_torque": f"rms [{unit}]",
             "rms_recorded": "recorded",
             "rms_difference": "difference",
-            "peak_torque": "peak [N·m]",
+            "peak_torque": f"peak [{unit}]",
             "peak_difference": "peak difference",
-            "peak_rate": "peak rate [N·m/s]",
+            "peak_rate": f"peak rate [{heading(self.units, '{torque}/s')}]",
             "share_at_limit": "at limit",
             "share_at_slew": "at rate limit",
         }
@@ -175,8 +180,9 @@ def replay_law(
         aim = Target(*(None if x is None else x[:, 0] for x in aims.at(time)))  # type: ignore[arg-type]
         with within(f"at {time:g} s"):
             commanded[k] = sound(run.command(q[k], v[k], aim), State(q[k], v[k]), aim)
+    units = (TURNS,) * recording.n_joints if leg is None else position_units(leg)
     return LawReplay(
-        label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew
+        label, law.rate, recording.joint_names, recording.time[0] + times, commanded, recorded, limit, slew, units
     )
 
 

@@ -122,13 +122,13 @@ class Tracking(ReadOnly):
 def tracking_table(caption: str, trackings: Iterable[Tracking]) -> DataTable:
     """Make a table of several controllers, with the torque of the wearer if they are worn."""
     runs = tuple(trackings)
-    position, torque = (heading(runs[0].units, of) if runs else "" for of in ("angle", "torque"))
+    position, torque, rate = (heading(runs[0].units, of) if runs else "" for of in ("{deg}", "{torque}", "{torque}/s"))
     figures = {
         f"peak [{position}]": ("peak_deg", 2),
         f"rms [{position}]": ("rms_deg", 2),
         f"rms [{torque}]": ("rms_torque", 1),
         "energy [J]": ("energy", 1),
-        f"TV [{torque}/s]": ("torque_variation", 1),
+        f"TV [{rate}]": ("torque_variation", 1),
     }
     if runs and all(one.interaction is not None for one in runs):
         figures[f"wearer [{torque}]"] = "rms_interaction", 2

@@ -17,6 +17,7 @@ from exoid.signals.contacts import stands
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, with_parts
+from exoid.torques.position_units import PositionUnit, heading, position_units
 
 from .compared import Compared, TorqueFilter, compare_rows, to_predict, wrench_variance
 from .data import EstimateData
@@ -31,9 +32,6 @@ from .validation_checks import (
     unmeasured_torques,
     wide_bands,
 )
-
-HEADERS = ("joint", "RMSE [N·m]", "NRMSE", "R²", "in 95 % band")
-"""Columns of :meth:`Validation.rows`."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,6 +51,7 @@ class Validation(ReadOnly, Report):
         filter: Filter of both torques.
         wrench_torque: Part of both torques that is that of measured wrenches, −Σ Jᵀ w, with that of payloads [N·m],
             (N, n); zero without wrenches.
+        units: Units of each joint, (n,).
     """
 
     joint_names: tuple[str, ...]
@@ -65,6 +64,7 @@ class Validation(ReadOnly, Report):
     half_width: FloatArray = field(kw_only=True)
     filter: TorqueFilter = field(kw_only=True)
     wrench_torque: FloatArray = field(kw_only=True)
+    units: tuple[PositionUnit, ...] = field(kw_only=True)
 
     @property
     def residual(self) -> FloatArray:
@@ -118,6 +118,7 @@ class Validation(ReadOnly, Report):
             "cutoff_of_estimate": self.filter.chosen,
             "samples": len(self.time),
             "joint_names": list(self.joint_names),
+            "torque_units": [unit.torque for unit in self.units],
             "rmse": json_value(self.rmse),
             "nrmse": json_value(self.nrmse),
             "leg_nrmse": json_value(self.leg_nrmse),
@@ -136,8 +137,13 @@ class Validation(ReadOnly, Report):
     def _report(self) -> list[DataTable | str]:
         """Title, tables and number of samples."""
         samples = f"{len(self.time)} samples, both torques {self.filter}"
-        tables = with_parts(HEADERS, self.rows(), [(part.source, part.rows()) for part in self.parts])
+        tables = with_parts(self.headers, self.rows(), [(part.source, part.rows()) for part in self.parts])
         return [f"Prediction of {self.source}", *tables, samples, *map(str, self.findings), verdict_line(self.findings)]
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """Columns of :meth:`rows`."""
+        return ("joint", f"RMSE [{heading(self.units, '{torque}')}]", "NRMSE", "R²", "in 95 % band")
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write joint, RMSE, NRMSE, R² and share inside the band as rows of a table.
@@ -244,6 +250,7 @@ def _validate_one(
         "half_width": half_width(0.95, estimate.dof) * np.sqrt(variance),
         "filter": chosen,
         "wrench_torque": known if recording.wrenches else np.zeros_like(known),
+        "units": position_units(estimate.model.leg),
     }
     alone = Validation(estimate.joint_names, time, measured, predicted, data.file_name or "array", **how)
     every = (*found, *_findings(estimate, alone, data, ranges, bandwidth))

@@ -16,6 +16,7 @@ from exoid.signals import Poses, Recording
 from exoid.signals.contacts import stands
 from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
+from exoid.torques.position_units import position_units
 
 SMALLEST_MOTION = 2e-3
 """A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
@@ -79,14 +80,15 @@ def summarize(model: TorqueModel, data: Recording | Poses, *, for_cutoff: bool =
 def refuse_still_joints(model: TorqueModel, summaries: Sequence[RecordingSummary], known: Sequence[str] = ()) -> None:
     """Refuse recordings in which a joint of the leg never moves, unless all of it is known beside them."""
     spans, means = angle_spans(summaries), np.mean([one.mean for one in summaries], axis=0)
-    names = model.leg.joint_names
+    names, units = model.leg.joint_names, position_units(model.leg)
     for joint, (name, span, mean) in enumerate(zip(names, spans, means, strict=True)):
         if span >= SMALLEST_MOTION:
             continue
         own = model.own_parameters(joint)
         if not (own and set(own) <= set(known)):
             others = tuple(other for other in names if other != name)
-            what = f"joint {name} stands still: its angle spans {span:.2g} rad, so nothing of it can be identified"
+            moved = f"{span:.2g} {units[joint].rad}"
+            what = f"joint {name} stands still: it moves by {moved}, so nothing of it can be identified"
             remedy = f"move it, or lock it: Leg.from_urdf(..., joints={others}, locked={{{name!r}: {mean:.4g}}})"
             raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy, joints=(name,))
 
@@ -109,10 +111,12 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     first = values[driven.argmax(axis=0), np.arange(len(values[0]))]
     same = np.array([torques.share == 1.0 for torques in every]) & (values == first)
     constant = (same | ~driven).all(axis=0) & driven.any(axis=0)
-    names = model.leg.joint_names
+    names, units = model.leg.joint_names, position_units(model.leg)
     dead = {joint: value for joint, value, is_dead in zip(names, first, constant, strict=True) if is_dead}
     if dead:
-        found = "; ".join(f"the torque of joint {j} is {x + 0.0:.6g} N·m in every sample" for j, x in dead.items())
+        torque_units = {joint: unit.torque for joint, unit in zip(names, units, strict=True)}
+        each = (f"the torque of joint {j} is {x + 0.0:.6g} {torque_units[j]}" for j, x in dead.items())
+        found = "; ".join(f"{one} in every sample" for one in each)
         mend = f"connect its torque channel, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}"
         what = f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}"
         remedy = (
@@ -128,7 +132,8 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]
             if 0.5 < share < 1.0 and not torques.passive[index]:  # the rest was not measured
-                what = f"the torque of joint {joint} is {middle + 0.0:.6g} N·m in {share:.0%} of samples, and it moves"
+                value = f"{middle + 0.0:.6g} {units[index].torque}"
+                what = f"the torque of joint {joint} is {value} in {share:.0%} of samples, and it moves"
                 remedy = "use the part of the recording in which torque was measured, see Recording.between"
                 raise NotIdentifiableError(what, where=one.source, remedy=remedy, joints=(joint,))
 

@@ -88,7 +88,7 @@ class Run:
     def __str__(self) -> str:
         """Print as a table: range of motion, tracking error and torque over all rigs, one line a joint."""
         units = position_units(self.plant.leg)
-        at, speed, torque = (heading(units, of) for of in ("angle", "velocity", "torque"))
+        at, speed, torque = (heading(units, of) for of in ("{deg}", "{rad}/s", "{torque}"))
         shown, error = (x / np.array([[unit.size] for unit in units]) for x in (self.q, self.target - self.q))
         rows = [
             (

@@ -11,6 +11,7 @@ import numpy as np
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
 from exoid.tools.numbers import ROUNDED
+from exoid.torques.position_units import position_units
 
 from .actuators import Actuator, StepTorque
 from .controllers import Controller, Reference
@@ -172,12 +173,11 @@ def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple
     beyond = (q < plant.lower - ROUNDED) | (q > plant.upper + ROUNDED)
     if beyond.any():
         joint, which = np.argwhere(beyond)[0]
-        raise BadArgumentError(
-            f"{plant.leg.joint_names[joint]} starts at {q[joint, which]:.4g} rad in rig {which}, beyond its end stops "
-            f"at {plant.lower[joint, which]:.4g} and {plant.upper[joint, which]:.4g} rad",
-            joints=(plant.leg.joint_names[joint],),
-            remedy="start between them, or build the plant with end_stops=False",
-        )
+        name, show = plant.leg.joint_names[joint], position_units(plant.leg)[joint].show
+        least, most = show(plant.lower[joint, which]), show(plant.upper[joint, which])
+        what = f"{name} starts at {show(q[joint, which])} in rig {which}, beyond its end stops at {least} and {most}"
+        remedy = "start between them, or build the plant with end_stops=False"
+        raise BadArgumentError(what, joints=(name,), remedy=remedy)
     return q, v
 
 

@@ -24,6 +24,7 @@ from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.leg.torso import TorsoMotion
 from exoid.tools.numbers import ROUNDED
+from exoid.torques.position_units import position_units
 
 from .controllers import Reference, Target
 from .plant import Plant
@@ -163,10 +164,11 @@ def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
     beyond = np.argwhere((q < lower - ROUNDED) | (q > upper + ROUNDED))
     if len(beyond):
         k, joint, rig = beyond[0]
+        name, show = plant.leg.joint_names[joint], position_units(plant.leg)[joint].show
+        beyond_what = f"beyond {show(lower[joint, rig])} and {show(upper[joint, rig])}"
         raise BadArgumentError(
-            f"the wearer intends {q[k, joint, rig]:.4g} rad of {plant.leg.joint_names[joint]} at {times[k]:.2f} s, "
-            f"beyond {lower[joint, rig]:.4g} and {upper[joint, rig]:.4g} rad",
-            remedy="give an intention in rad between the end stops, or build the plant with end_stops=False",
+            f"the wearer intends {show(q[k, joint, rig])} of {name} at {times[k]:.2f} s, {beyond_what}",
+            remedy="give an intention in rad or m between the end stops, or build the plant with end_stops=False",
         )
 
 

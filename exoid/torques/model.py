@@ -130,7 +130,7 @@ class TorqueModel(RegressorModel):
     @property
     def torque_unit(self) -> str:
         """Unit of the torques of the joints: N·m, N where all slide, "N·m or N" where some do."""
-        return heading(position_units(self.leg), "torque")
+        return heading(position_units(self.leg), "{torque}")
 
     @cached_property
     def acting(self) -> NDArray[np.bool_]:

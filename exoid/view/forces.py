@@ -13,7 +13,9 @@ from .colours import MEASURED, PREDICTED, WEARER, joint_colour
 from .style import decorate, draw_band
 
 
-def plot_interaction(ax: Axes, time: FloatArray, torque: FloatArray, band: FloatArray, label: str) -> Axes:
+def plot_interaction(
+    ax: Axes, time: FloatArray, torque: FloatArray, band: FloatArray, label: str, quantity: str = "torque [N·m]"
+) -> Axes:
     """Plot the torque of the wearer at one joint over time with its band.
 
     Args:
@@ -22,16 +24,17 @@ def plot_interaction(ax: Axes, time: FloatArray, torque: FloatArray, band: Float
         torque: Torque of the wearer on the leg [N·m], (N,).
         band: Half the width of its 95 % band [N·m], (N,).
         label: Name of the joint.
+        quantity: What the wearer gives, with its unit: "force [N]" of a slide.
 
     Returns:
         The axes.
     """
     draw_band(ax, time, torque, band, WEARER)
     ax.plot(time, torque, color=WEARER, lw=1.0, label="torque of the wearer")
-    return decorate(ax, "time [s]", f"{label} torque [N·m]", zero=True)
+    return decorate(ax, "time [s]", f"{label} {quantity}", zero=True)
 
 
-def draw_gait_profile(figure: Figure, profile: GaitProfile, labels: tuple[str, ...]) -> None:
+def draw_gait_profile(figure: Figure, profile: GaitProfile, labels: tuple[str, ...], unit: str) -> None:
     """Plot mean ± RMS torque and mean power of the wearer over the phase of the gait."""
     above, below = figure.subplots(2, 1, sharex=True)
     percent = 100.0 * profile.phase
@@ -42,7 +45,7 @@ def draw_gait_profile(figure: Figure, profile: GaitProfile, labels: tuple[str, .
         style = ("-", "--", "-.", ":")[joint % 4]  # for grey print
         above.plot(percent, mean, color=colour, ls=style, label=label)
         below.plot(percent, profile.power[:, joint], color=colour, ls=style)
-    decorate(above, "", "torque of the\nwearer [N·m]", zero=True)
+    decorate(above, "", f"torque of the\nwearer [{unit}]", zero=True)
     decorate(below, "phase [%]", "power on\nthe leg [W]", zero=True)
 
 

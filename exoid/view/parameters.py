@@ -16,7 +16,7 @@ from exoid.estimate.comparison import SIGNIFICANT, Comparison
 from exoid.tools.tables import with_error
 
 from .colours import CAD, GUIDE, IDENTIFIED, MEASURED, RESIDUAL
-from .style import legend_above
+from .style import legend_above, short_name
 
 STRONG = 0.8
 """Correlation from which on a pair is hard to separate: to know one exactly would leave 0.6 of the other's error."""
@@ -58,7 +58,7 @@ def plot_parameters(
             ax.plot(*zip(*present, strict=True), marker, ms=4, mfc="none", color=colour, label=label)
     errors = (estimate.std[estimate.names.index(name)] for name in chosen)
     texts = [_with_error(estimate.value(name), std) for name, std in zip(chosen, errors, strict=True)]
-    return _label_rows(ax, [_short(name) for name in chosen], texts, f"[{units[chosen[0]]}]", "value ± std")
+    return _label_rows(ax, [short_name(name) for name in chosen], texts, f"[{units[chosen[0]]}]", "value ± std")
 
 
 def plot_comparison(ax: Axes, first: Estimate, second: Estimate, comparison: Comparison, unit: str) -> Axes:
@@ -82,7 +82,7 @@ def plot_comparison(ax: Axes, first: Estimate, second: Estimate, comparison: Com
         _with_error(comparison.difference[k], comparison.std[k]) + " *" * bool(comparison.adjusted[k] < SIGNIFICANT)
         for k in chosen
     ]
-    return _label_rows(ax, [_short(name) for name in names], texts, f"[{unit}]", "difference ± std")
+    return _label_rows(ax, [short_name(name) for name in names], texts, f"[{unit}]", "difference ± std")
 
 
 def _draw_intervals(
@@ -112,8 +112,7 @@ def _label_rows(ax: Axes, names: Sequence[str], texts: Sequence[str], xlabel: st
     ax.axvline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(yticks=range(len(names)), yticklabels=names, xlabel=xlabel, ylim=(len(names) - 0.5, -0.5))
     ax.grid(visible=False, axis="y")
-    if ax.get_legend_handles_labels()[1]:
-        legend_above(ax)
+    legend_above(ax)
     return ax
 
 
@@ -133,10 +132,11 @@ def plot_correlation(ax: Axes, estimate: Estimate) -> Axes:
     values = [estimate.correlation[pair] for pair in pairs]
     ax.plot(values, range(len(pairs)), "o", ms=4, color=IDENTIFIED)
     ax.hlines(range(len(pairs)), 0.0, values, color=IDENTIFIED, lw=1.0)
-    names = [" – ".join(_short(estimate.names[k]) for k in pair) for pair in pairs]
+    names = [" – ".join(short_name(estimate.names[k]) for k in pair) for pair in pairs]
     texts = [f"{value:+.2f}".replace("-", "−") for value in values]
     ax.set_xlim(-1.05, 1.05)
-    return _label_rows(ax, names, texts, "correlation of the errors [–]")
+    _label_rows(ax, names, texts, "").set_xlabel("correlation of the errors [–]", loc="right")
+    return ax
 
 
 def strongest_pairs(estimate: Estimate) -> list[tuple[int, int]]:
@@ -144,8 +144,3 @@ def strongest_pairs(estimate: Estimate) -> list[tuple[int, int]]:
     size = np.abs(estimate.correlation)
     pairs = sorted(combinations(range(len(size)), 2), key=lambda pair: -size[pair])
     return pairs[: min(16, max(3, sum(size[pair] >= STRONG for pair in pairs)))]
-
-
-def _short(name: str) -> str:
-    """Shorten the name of a sum to its first summand, which is unique; base parameters of arms have long names."""
-    return name if len(name) <= 20 else f"{name.split(' ', maxsplit=1)[0]} + …"

@@ -12,8 +12,8 @@ from exoid.experiments.excitation.precision import Precision
 from exoid.regression.diagnostics import WEAKLY, WELL
 from exoid.torques.position_units import position_units
 
-from .colours import MEASURED, RESIDUAL, joint_colour
-from .style import decorate, decorate_column
+from .colours import JOINT_COLOURS, MEASURED, RESIDUAL, joint_colour
+from .style import decorate, decorate_column, short_name
 
 MARKERS = {"well": ("o", MEASURED), "weakly": ("o", "none"), "not": ("x", MEASURED)}
 """Marker and its filling for each class of identifiability."""
@@ -34,7 +34,8 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan) -> Sequence[Axes]:
     )
     for ax, (values, lower, upper) in zip(axes, quantities, strict=True):
         for joint, name in enumerate(plan.model.leg.joint_labels):
-            ax.plot(recording.time[shown], values[shown, joint], color=joint_colour(joint), label=name)
+            style = "-" if joint < len(JOINT_COLOURS) else "--"  # where colours repeat
+            ax.plot(recording.time[shown], values[shown, joint], style, color=joint_colour(joint), label=name)
         bottom, top = ax.get_ylim()
         margin = 0.2 * (top - bottom)
         for joint in range(len(lower)):
@@ -43,7 +44,7 @@ def plot_planned_motion(axes: Sequence[Axes], plan: Plan) -> Sequence[Axes]:
                     ax.axhline(limit, color=joint_colour(joint), lw=0.7, ls=":")
     axes[0].plot([], [], color=MEASURED, lw=0.7, ls=":", label="limits")
     kinds = dict.fromkeys(tuple(unit.axes.items()) for unit in units)  # of joints that turn, and of slides
-    return decorate_column(axes, [", ".join(name for _, name in each) for each in zip(*kinds, strict=True)])
+    return decorate_column(axes, ["\n".join(name for _, name in each) for each in zip(*kinds, strict=True)])
 
 
 def plot_precision(ax: Axes, precision: Precision) -> Axes:
@@ -56,8 +57,9 @@ def plot_precision(ax: Axes, precision: Precision) -> Axes:
             ax.plot(x, y, marker, ms=4, mec=MEASURED, mfc=filling, ls="none", label=grade)
     for limit, name, dashes in ((WELL, "well", "-"), (WEAKLY, "weakly", "--")):
         ax.axvline(100.0 * limit, color=RESIDUAL, lw=1.0, ls=dashes, zorder=0, label=f"limit of {name}")
-    ax.set_yticks(rows, precision.names)
+    ax.set_yticks(rows, map(short_name, precision.names))
     ax.set_xscale("log")
     ax.xaxis.set_major_formatter("{x:g}")
     ax.set_ylim(-0.6, len(rows) - 0.4)
-    return decorate(ax, "predicted standard deviation [% of scale]", "", columns=2)
+    decorate(ax, "", "", columns=2).set_xlabel("predicted standard deviation [% of scale]", loc="right")
+    return ax

@@ -51,9 +51,18 @@ def paper() -> AbstractContextManager[None]:
     return rc_context(SETTINGS)
 
 
+def short_name(name: str) -> str:
+    """Shorten the name of a sum to its first summand, which is unique; base parameters of arms have long names."""
+    return name if len(name) <= 20 else f"{name.split(' ', maxsplit=1)[0]} …"
+
+
 def legend_above(ax: Axes, columns: int = 3) -> None:
-    """Put the legend above the axes, where it hides no data."""
-    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.1, columnspacing=1.2)
+    """Put the legend above the axes, where it hides no data, in as many columns as fit beside the names of rows."""
+    letter, rows = 0.06, [label.get_text() for label in ax.get_yticklabels()]  # width [inches] at 7 points
+    room = ax.figure.bbox.width / ax.figure.dpi - letter * max((len(row) for row in rows), default=0)
+    if labels := ax.get_legend_handles_labels()[1]:
+        columns = max(1, min(columns, int(room / (0.4 + letter * max(map(len, labels))))))  # each with its handle
+        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.1, columnspacing=1.2)
 
 
 def decorate(ax: Axes, xlabel: str, ylabel: str, *, zero: bool = False, columns: int = 3) -> Axes:
@@ -61,8 +70,7 @@ def decorate(ax: Axes, xlabel: str, ylabel: str, *, zero: bool = False, columns:
     if zero:
         ax.axhline(0.0, color=GUIDE, lw=0.8, zorder=0)
     ax.set(xlabel=xlabel, ylabel=ylabel)
-    if ax.get_legend_handles_labels()[1]:
-        legend_above(ax, columns)
+    legend_above(ax, columns)
     return ax
 
 

@@ -51,7 +51,9 @@ def plot_law_torques(
     Returns:
         The axes.
     """
-    return _plot_runs(axes, runs, [f"{name} torque [N·m]" for name in names], colours, lambda run: run.tau)
+    units = next(iter(runs.values())).units
+    labels = [f"{name} {unit.axes['torque']}" for name, unit in zip(names, units, strict=True)]
+    return _plot_runs(axes, runs, labels, colours, lambda run: run.tau)
 
 
 def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[str]) -> Axes:
@@ -73,7 +75,7 @@ def plot_peak_errors(ax: Axes, runs: Mapping[str, Tracking], *, names: Sequence[
         ax.plot(np.maximum(peaks, least), at, "o", ms=4, color=colour, label=name)
         for peak, row in zip(peaks, at, strict=True):
             place = (max(peak, least), row)  # a logarithmic axis has no zero
-            ax.annotate(f"{peak:.2g}", place, (4, 0), textcoords="offset points", va="center", fontsize=6)
+            ax.annotate(f"{float(f'{peak:.2g}'):g}", place, (4, 0), textcoords="offset points", va="center", fontsize=6)
     ax.set_yticks(rows, list(runs))
     ax.invert_yaxis()
     ax.margins(x=0.15)
@@ -106,4 +108,5 @@ def plot_law_replay(axes: Sequence[Axes], replay: LawReplay) -> Sequence[Axes]:
         if np.isfinite(replay.limit[joint]):
             for limit, label in ((-replay.limit[joint], None), (replay.limit[joint], "limit")):
                 ax.axhline(limit, color=RESIDUAL, lw=0.8, ls="--", label=label)
-    return decorate_column(axes, [f"{name} torque [N·m]" for name in replay.joint_names])
+    names = zip(replay.joint_names, replay.units, strict=True)
+    return decorate_column(axes, [f"{name} {unit.axes['torque']}" for name, unit in names])

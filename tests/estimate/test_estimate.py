@@ -14,6 +14,7 @@ from exoid.estimate.compared import TorqueFilter
 from exoid.estimate.data import Input
 from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
+from exoid.torques.position_units import TURNS
 
 GOLDEN = Path(__file__).parent / "golden"
 NOISE = np.array([0.3, 0.2, 0.1])
@@ -75,7 +76,7 @@ def test_a_validation_prints_one_line_a_joint():
     half = np.full((4, 2), [0.6, 0.2])
     low_pass = TorqueFilter(ZeroPhase(8.0), "of the estimate", "8 Hz, chosen by the noise of the angles")
     name = "a_rather_long_file_name_of_a_log.csv"
-    how = {"half_width": half, "filter": low_pass, "wrench_torque": np.zeros((4, 2))}
+    how = {"half_width": half, "filter": low_pass, "wrench_torque": np.zeros((4, 2)), "units": (TURNS, TURNS)}
     validation = Validation(("hip", "knee"), time, measured, predicted, name, **how)
     same("validation.txt", str(validation))
     assert repr(validation) == "Validation(nrmse: hip 0.500, knee nan)"

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from exoid.control import Tracking
 from exoid.signals import Approaches, Poses, Recording
-from exoid.torques.position_units import PositionUnit
+from exoid.torques.position_units import SLIDES, TURNS
 from exoid.view import paper, plot_correlation, plot_law_torques, plot_tracking_errors
 from exoid.view.experiments import plot_approaches, plot_reference, plot_stiffness
 from exoid.view.fit import plot_friction_fit
@@ -100,7 +100,7 @@ def law_run(law, size):
     return Tracking(law, 100.0, NAMES[:2], TIME, 0.0 * error, error, error, 5.0 * error, log, 1.0, units=UNITS)
 
 
-UNITS = PositionUnit(1e-3, " mm"), PositionUnit(np.deg2rad(1.0), "°")  # a slide, and a joint that turns
+UNITS = SLIDES, TURNS  # a slide, and a joint that turns
 RUNS = {"PD": law_run("pd", 0.2), "LQR": law_run("lqr", 0.002)}
 
 
@@ -115,4 +115,4 @@ def test_laws_are_drawn_over_the_counted_part_of_the_run(plot):
     drawn_y = np.rad2deg(run.error[:, 1]) if plot is plot_tracking_errors else run.tau[:, 1]
     np.testing.assert_allclose(lines[0].get_ydata(), drawn_y[TIME >= 1.0])
     assert inside(figure, axes[0])
-    assert axes[0].get_ylabel() == f"hip {'error [mm]' if plot is plot_tracking_errors else 'torque [N·m]'}"
+    assert axes[0].get_ylabel() == f"hip {'error [mm]' if plot is plot_tracking_errors else 'force [N]'}"

@@ -29,7 +29,7 @@ def test_positions_of_a_slide_are_drawn_in_mm_beside_angles():
     slide, hip = (line.get_ydata()[1] for line in axes[0].lines[:2])
     q = plan.recordings[0].q[1]
     assert (slide, hip) == pytest.approx((1e3 * q[0], np.rad2deg(q[1])))
-    assert axes[0].get_ylabel() == "position [mm], angle [deg]"
+    assert axes[0].get_ylabel() == "position [mm]\nangle [deg]"
 
 
 def test_a_planned_motion_is_drawn_for_one_period_between_its_limits(plan):

@@ -20,6 +20,7 @@ from exoid.leg.closure import BLOCK
 from exoid.leg.joint_numbers import for_joints
 from exoid.signals import Recording
 from exoid.tools.numbers import checked
+from exoid.torques.position_units import position_units
 
 from .alignment import Alignment, AlignmentMemory, JointFilter
 from .in_c import observer_in_c
@@ -220,7 +221,8 @@ class MomentumObserver:
             found, memory = self._read(memory, rows[start : start + BLOCK], derived=derived)
             blocks.append(found)
         whole = ObserverReading(*map(np.concatenate, zip(*blocks, strict=True)))
-        return ObservedTorque(recording.time, *whole, joint_names=self.names, delay=self.delay, settling=self.settling)
+        units = position_units(self.model.leg)
+        return ObservedTorque(recording.time, *whole, self.names, self.delay, self.settling, units)
 
     def _read(
         self, memory: ObserverMemory, rows: FloatArray, *, derived: bool

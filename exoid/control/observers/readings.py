@@ -17,6 +17,7 @@ from exoid.signals import Recording
 from exoid.signals.checks import FASTEST
 from exoid.tools.tables import make_table, to_text
 from exoid.torques import TorqueModel
+from exoid.torques.position_units import PositionUnit, heading
 
 
 class ObserverReading(NamedTuple):
@@ -48,6 +49,7 @@ class ObservedTorque:
         joint_names: Joints, (n,).
         delay: Delay of the torque for slow signals [s].
         settling: Samples at the beginning that the observer needs to settle, without detection.
+        units: Units of each joint, (n,).
     """
 
     time: FloatArray
@@ -58,6 +60,7 @@ class ObservedTorque:
     joint_names: tuple[str, ...]
     delay: float
     settling: int
+    units: tuple[PositionUnit, ...]
 
     @property
     def alarms(self) -> FloatArray:
@@ -70,7 +73,8 @@ class ObservedTorque:
 
     def __str__(self) -> str:
         """Print a table with a row for each joint, after the observer has settled."""
-        headers = ("joint", "rms [N·m]", "peak [N·m]", "std [N·m]", "detected [%]", "alarms", "delay [ms]")
+        sizes = (f"{name} [{heading(self.units, '{torque}')}]" for name in ("rms", "peak", "std"))
+        headers = ("joint", *sizes, "detected [%]", "alarms", "delay [ms]")
         torque = self.torque[min(self.settling, len(self.time) - 1) :]
         rms, share = np.sqrt(np.mean(torque**2, axis=0)), 100.0 * self.detected.mean(axis=0)
         std, peak = np.sqrt(np.mean(self.std**2, axis=0)), np.abs(torque).max(axis=0)

@@ -12,6 +12,7 @@ from exoid._typing import FloatArray
 from exoid.estimate import EstimateData
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import scaled_inverse
+from exoid.torques.position_units import position_units
 
 from .evaluation import Evaluation
 
@@ -82,13 +83,14 @@ def judge(evidence: Evidence, level: float = LEVEL) -> tuple[JointAction, ...]:
 
 def constant_torques(estimate: EstimateData, evidence: Evidence, actions: Sequence[JointAction]) -> Iterator[Finding]:
     """Find torques that are constant: a zero of a sensor that moved looks like a wearer who pushes evenly."""
-    for joint, mean, power, action in zip(estimate.joint_names, evidence.mean, evidence.power, actions, strict=True):
+    columns = (evidence.mean, evidence.power, actions, position_units(estimate.model.leg))
+    for joint, mean, power, action, unit in zip(estimate.joint_names, *columns, strict=True):
         if action.steady and (not action.acts or mean**2 > 10.0 * power):
             message = (
                 "the torque beside the actuator's is constant, as of a torque sensor or an angle whose zero is off"
             )
             remedy = "take the zero of the sensor unworn, or identify with an offset for each recording (own=offset)"
-            yield Finding("constant-interaction", joint, float(mean), "N·m", "warning", message, remedy)
+            yield Finding("constant-interaction", joint, float(mean), unit.torque, "warning", message, remedy)
 
 
 def explanations(estimate: EstimateData, found: Evaluation, actions: Sequence[JointAction]) -> list[Finding]:
@@ -159,12 +161,12 @@ def rough_estimate(estimate: EstimateData, predicted: FloatArray) -> Iterator[Fi
         message = f"the estimate has errors ({', '.join(wrong)}): that nothing acts cannot be told from it"
         remedy = "mend the recordings of the training, and identify again"
         yield Finding("rough-estimate", "", 1.0, "1", "error", message, remedy)
-    columns = (estimate.joint_names, estimate.residual_rms, predicted.std(axis=0), estimate.trained)
-    for joint, rms, size, trained in zip(*columns, strict=True):
+    columns = (estimate.residual_rms, predicted.std(axis=0), estimate.trained, position_units(estimate.model.leg))
+    for joint, rms, size, trained, unit in zip(estimate.joint_names, *columns, strict=True):
         if trained and rms > 0.3 * size > 1e-6 * rms:  # no torque that only rounding changes
             message = (
-                f"residuals of the training ({rms:.3g} N·m) are {rms / size:.0%} of the torque here: a wearer within "
-                "them is not noticed, and one may have acted in the training"
+                f"residuals of the training ({rms:.3g} {unit.torque}) are {rms / size:.0%} of the torque here: a "
+                "wearer within them is not noticed, and one may have acted in the training"
             )
             remedy = "identify from recordings without a wearer, and look at the findings of the estimate"
             yield Finding("rough-estimate", joint, float(rms / size), "1", "warning", message, remedy)

@@ -23,13 +23,11 @@ from exoid.signals.csv_writer import write_csv
 from exoid.tools.json_values import json_value
 from exoid.tools.read_only import ReadOnly
 from exoid.tools.tables import DataTable, Report, make_table
+from exoid.torques.position_units import PositionUnit, heading, position_units
 
 from .action import LEVEL, Evidence, JointAction, constant_torques, explanations, judge, rough_estimate, too_few_samples
 from .evaluation import evaluate
 from .gait import GaitProfile, find_phase, profile
-
-HEADERS = ("joint", "RMS [N·m]", "peak [N·m]", "mean [N·m]", "power [W]", "outside band", "p", "acts", "least")
-"""Columns of :meth:`Interaction.rows`; the last is the smallest RMS that the test would notice [N·m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,6 +51,7 @@ class Interaction(ReadOnly, Report):
         phase_source: What begins a cycle; "" for no phase.
         findings: What else than a wearer may explain the torque, and where the estimate is not supported by data.
         filter: Filter of the torque.
+        units: Units of each joint, (n,).
     """
 
     joint_names: tuple[str, ...]
@@ -67,6 +66,7 @@ class Interaction(ReadOnly, Report):
     phase_source: str = ""
     findings: tuple[Finding, ...] = ()
     filter: TorqueFilter = field(kw_only=True)
+    units: tuple[PositionUnit, ...] = field(kw_only=True)
 
     @property
     def worn(self) -> bool | None:
@@ -139,10 +139,12 @@ class Interaction(ReadOnly, Report):
         """
         means = (self.rms, self.peak, self.outside_band, self.mean, self.power)
         joints = {}
-        for name, rms, peak, outside, mean, power, action in zip(self.joint_names, *means, self.actions, strict=True):
+        columns = (self.joint_names, *means, self.actions, self.units)
+        for name, rms, peak, outside, mean, power, action, unit in zip(*columns, strict=True):
             figures = {"rms": rms, "peak": peak, "outside_band": outside, "mean": mean, "power": power}
             figures |= {"p_value": action.p_value, "least_rms": action.least}
             joints[name] = json_value(figures) | {"acts": None if name in self.unclear else action.acts}
+            joints[name]["torque_unit"] = unit.torque
         data: dict[str, Any] = {"joints": joints, "worn": self.worn, "level": LEVEL, "source": self.source}
         data |= {"samples": len(self.time), "cutoff": self.filter.cutoff}
         if self.period is not None:
@@ -169,12 +171,13 @@ class Interaction(ReadOnly, Report):
         table = np.column_stack([self.time, self.torque, self.band, self.velocity])
         if not np.isnan(self.phase).all():
             header, table = [*header, "phase"], np.column_stack([table, self.phase])
-        write_csv(path, header, table, [f"# exoid interaction: {self.source}; torque of the wearer on the leg [N·m]"])
+        what = f"torque of the wearer on the leg [{heading(self.units, '{torque}')}]"
+        write_csv(path, header, table, [f"# exoid interaction: {self.source}; {what}"])
 
     def __repr__(self) -> str:
         """Say whether the leg is worn, and name the joints and their RMS torque."""
-        each = zip(self.joint_names, self.rms, strict=True)
-        sizes = ", ".join(f"{name} not measured" if np.isnan(rms) else f"{name} {rms:.3g} N·m" for name, rms in each)
+        each = zip(self.joint_names, self.rms, (unit.torque for unit in self.units), strict=True)
+        sizes = ", ".join(f"{name} not measured" if np.isnan(x) else f"{name} {x:.3g} {unit}" for name, x, unit in each)
         worn = {True: "worn", False: "not worn", None: "worn or not"}[self.worn]
         return f"Interaction({worn}; rms: {sizes})"
 
@@ -191,11 +194,17 @@ class Interaction(ReadOnly, Report):
             conclusion = f"worn or not: {why}"
         return [
             f"Torque of the wearer on the leg in {self.source}",
-            make_table(HEADERS, self.rows()),
+            make_table(self.headers, self.rows()),
             f"{len(self.time)} samples, {self.filter}{phase}",
             *map(str, self.findings),
             f"{conclusion} (false alarms: at most {LEVEL:.0%} of recordings)",
         ]
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """Columns of :meth:`rows`; the last is the smallest RMS that the test would notice."""
+        sizes = (f"{name} [{heading(self.units, '{torque}')}]" for name in ("RMS", "peak", "mean"))
+        return ("joint", *sizes, "power [W]", "outside band", "p", "acts", "least")
 
     def rows(self) -> list[tuple[str, ...]]:
         """Write the figures of each joint as a row of a table.
@@ -207,7 +216,7 @@ class Interaction(ReadOnly, Report):
         rows: list[tuple[str, ...]] = []
         for name, rms, peak, mean, power, outside, action in zip(*columns, strict=True):
             if np.isnan(rms):
-                rows.append((name, "not measured", *[""] * (len(HEADERS) - 2)))
+                rows.append((name, "not measured", *[""] * (len(self.headers) - 2)))
                 continue
             tested: tuple[str, ...] = ("not tested", "", "")
             if not np.isnan(action.p_value):
@@ -298,4 +307,5 @@ def interaction(
         begins,
         findings=ordered([replace(one, recording=name) for one in findings]),
         filter=chosen,
+        units=position_units(estimate.model.leg),
     )

@@ -121,7 +121,7 @@ def assess(
         scales = Scales.over(expected_parameters(model, values), np.vstack(tables))
     else:
         scales = Scales.of(model, limits, values)
-    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
+    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth, model.torque_unit)
     recorded = information_of(model, recordings, torque_noise, preparation)
     advice = () if stands else _advise(model, limits, torque_noise, scales, recorded)
     return Assessment(recorded.precision(model, scales), advice, torque_noise)

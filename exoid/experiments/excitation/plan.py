@@ -96,8 +96,7 @@ class Plan:
             parts[0] += f"; torso at {tilts}, {self.motions[0].duration:g} s each"
         parts.append(f"torque noise {self.noise}, joint by joint")
         p = self.peaks
-        for k, (name, (size, unit)) in enumerate(zip(names, position_units(self.model.leg), strict=True)):
-            rad, torque = ("rad", "N·m") if unit == "°" else ("m", "N")
+        for k, (name, (size, unit, rad, torque)) in enumerate(zip(names, position_units(self.model.leg), strict=True)):
             parts.append(
                 f"{name}: {p.lowest[k] / size:.0f}{unit} to {p.highest[k] / size:.0f}{unit}, "
                 f"up to {p.velocity[k]:.{1 if rad == 'rad' else 2}f} {rad}/s, {p.acceleration[k]:.0f} {rad}/s², "
@@ -159,7 +158,7 @@ def plan_excitation(
         )
     model, limits = TorqueModel(leg, terms_of(terms)), limits or MotionLimits.of(leg)
     scales = Scales.of(model, limits)
-    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth)
+    torque_noise = TorqueNoise.of(noise, scales.typical_torque, noise_bandwidth, model.torque_unit)
     seconds, basis = series(duration / len(tilts_deg), rate, highest, 24)
     objective = Objective(
         model=model,

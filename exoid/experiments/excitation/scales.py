@@ -31,6 +31,7 @@ class TorqueNoise:
         bandwidth: Frequency up to which the spectrum is flat [Hz]; inf for white noise. Noise of bandwidth b has 2 b
             independent samples a second at any rate of the log.
         assumed: Whether the standard deviations are default values.
+        unit: Unit of the torques; N of slides.
 
     Raises:
         ExoidError: A standard deviation or the bandwidth is not positive.
@@ -39,6 +40,7 @@ class TorqueNoise:
     std: tuple[float, ...]
     bandwidth: float = np.inf
     assumed: bool = False
+    unit: str = "N·m"
 
     def __post_init__(self) -> None:
         """Check the numbers."""
@@ -46,11 +48,12 @@ class TorqueNoise:
         checked(self.bandwidth, "the bandwidth of the torque noise", above=0.0, infinite=True)
 
     @classmethod
-    def of(cls, std: ArrayLike | None, typical: FloatArray, bandwidth: float = np.inf) -> TorqueNoise:
+    def of(
+        cls, std: ArrayLike | None, typical: FloatArray, bandwidth: float = np.inf, unit: str = "N·m"
+    ) -> TorqueNoise:
         """Take given standard deviations, a number or (n,), or 2 % of the typical torque of each joint."""
-        if std is None:
-            return cls(tuple((0.02 * typical).tolist()), bandwidth, assumed=True)
-        return cls(tuple(for_joints(std, len(typical), "torque noise").tolist()), bandwidth)
+        each = 0.02 * typical if std is None else for_joints(std, len(typical), "torque noise")
+        return cls(tuple(each.tolist()), bandwidth, std is None, unit)
 
     def per_sample(self, rate: float) -> FloatArray:
         """Compute the standard deviation of white noise of the same spectral density at a rate, σ √(rate / 2b)."""
@@ -60,7 +63,7 @@ class TorqueNoise:
         """Write standard deviations and bandwidth."""
         stds = ", ".join(f"{std:.2g}" for std in self.std)
         band = "white" if np.isinf(self.bandwidth) else f"up to {self.bandwidth:g} Hz"
-        return f"{stds} N·m ({band}{', assumed' if self.assumed else ''})"
+        return f"{stds} {self.unit} ({band}{', assumed' if self.assumed else ''})"
 
 
 class Scales(NamedTuple):

@@ -13,6 +13,7 @@ from exoid.control import LawReplay, Tracking
 from exoid.control.tracking import tracking_table
 from exoid.tools.json_values import json_value
 from exoid.tools.tables import DataTable
+from exoid.torques.position_units import heading
 from exoid.view import plot_law_torques, plot_peak_errors, plot_tracking_errors
 from exoid.view.colours import LAW_COLOURS
 from exoid.view.style import COLUMN, paper
@@ -47,7 +48,7 @@ def tracking_report(
 ) -> ReplayReport:
     """Report runs by the names of `exoid.control.standard_laws`, and "pd_30hz"."""
     best = min(runs.values(), key=lambda run: float(run.peak_deg.max()))
-    peaks = ", ".join(f"{peak:.2f}°" for peak in best.peak_deg)
+    peaks = ", ".join(f"{peak:.2f}{unit.name}" for peak, unit in zip(best.peak_deg, best.units, strict=True))
     first = f"The smallest tracking error is that of {best.law}: at most {peaks}."
     return ReplayReport(title, "", [[first, *notes]], tables, data, _drawings(runs, of_document=of_document))
 
@@ -73,9 +74,12 @@ def cuhk_tracking_report(replay: TrackingReplay) -> ReplayReport:
 
 
 def laws_json(runs: Mapping[str, Tracking], kp: Iterable[float], kd: Iterable[float], seed: int) -> dict[str, Any]:
-    """Convert a comparison of laws to JSON types: metrics by name of the law, gains and seed."""
+    """Convert a comparison of laws to JSON types: metrics by name of the law, units, gains and seed."""
     laws = {name: run.to_json() for name, run in runs.items()}
-    return {"laws": laws, "gains": {"kp": json_value(kp), "kd": json_value(kd)}, "seed": seed}
+    first = next(iter(runs.values()))
+    units = {"joint_names": list(first.joint_names), "torque_units": [unit.torque for unit in first.units]}
+    units["error_units"] = [heading([unit]) for unit in first.units]  # of peak_deg and rms_deg
+    return {"laws": laws, **units, "gains": {"kp": json_value(kp), "kd": json_value(kd)}, "seed": seed}
 
 
 def law_replay_figure(replay: LawReplay) -> Figure:

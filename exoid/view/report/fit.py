@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from exoid._typing import FloatArray
 from exoid.estimate import Estimate, Validation, validate
-from exoid.estimate.validation import HEADERS
 from exoid.regression.every_row import make_rows
 from exoid.signals import Recording
 from exoid.tools.tables import DataTable
@@ -51,7 +50,8 @@ def predict_recording(estimate: Estimate, recording: Recording, cutoff: float | 
 def torque_blocks(estimate: Estimate, predictions: Sequence[RecordingPrediction], held_out: bool) -> Iterator[Block]:
     """Table of prediction errors, and measured and predicted torque of the first recording."""
     rows = [(p.validation.source, *row) for p in predictions for row in p.validation.rows()]
-    yield DataTable("Held-out recordings" if held_out else "Recordings of the fit", ("recording", *HEADERS), rows)
+    headers = ("recording", *predictions[0].validation.headers)
+    yield DataTable("Held-out recordings" if held_out else "Recordings of the fit", headers, rows)
     yield Text(
         [
             "If the model is right, the band contains 95 % of newly measured torques. It includes the errors of the "
@@ -81,10 +81,11 @@ def _draw_prediction(figure: Figure, prediction: RecordingPrediction, joint: int
     half = validation.half_width[shown, joint]
     band = np.column_stack([predicted - half, predicted + half])
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-    plot_prediction(above, time[shown], measured, predicted, label, band).set_xlabel("")
+    unit = validation.units[joint]
+    plot_prediction(above, time[shown], measured, predicted, label, band, unit.axes["torque"]).set_xlabel("")
     below.fill_between(time[shown], -half, half, color=PREDICTED, alpha=0.3, lw=0)
     below.plot(time[shown], measured - predicted, color=RESIDUAL, lw=0.6)
-    decorate(below, "time [s]", "residual [N·m]", zero=True)
+    decorate(below, "time [s]", f"residual [{unit.torque}]", zero=True)
     figure.align_ylabels()
 
 
@@ -104,9 +105,9 @@ def friction_blocks(estimate: Estimate, predictions: Sequence[RecordingPredictio
             ]
         )
     for joint in joints:
-        label = model.leg.joint_labels[joint]
+        label, unit = model.leg.joint_labels[joint], predictions[0].validation.units[joint]
         yield Picture(
-            on_axes(plot_friction_fit, v[:, joint], (fitted + residual)[:, joint], fitted[:, joint], label),
+            on_axes(plot_friction_fit, v[:, joint], (fitted + residual)[:, joint], fitted[:, joint], label, unit),
             f"Friction torque of {label} over its velocity, measured and fitted",
             figure="friction",
         )
@@ -123,7 +124,7 @@ def residual_pictures(estimate: Estimate, predictions: Sequence[RecordingPredict
             x = v[:, joint] if against == "velocity" else q[:, joint] / unit.size
             named = f"{label} {unit.axes[against]}"
             yield Picture(
-                on_axes(plot_residual_trend, x, residual[:, joint], joint, named, label),
+                on_axes(plot_residual_trend, x, residual[:, joint], joint, named, label, unit.torque),
                 f"Residual {label} torque against {named}",
                 figure=f"residuals_{against}",
             )

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from exoid.control.wearer import Interaction
-from exoid.control.wearer.interaction import HEADERS
 from exoid.estimate import Estimate
 from exoid.tools.tables import DataTable
+from exoid.torques.position_units import heading
 from exoid.view.forces import draw_gait_profile, plot_interaction
 from exoid.view.style import decimation
 
@@ -35,7 +35,7 @@ def interaction_report(estimate: Estimate, found: Interaction) -> Page:
         A page: ``interaction_report(...).save("report.html")``.
     """
     contents: dict[str, Iterable[Block]] = {
-        "Torque of the wearer": [DataTable(found.source, HEADERS, found.rows()), Text([NOTE])],
+        "Torque of the wearer": [DataTable(found.source, found.headers, found.rows()), Text([NOTE])],
         "Findings": finding_blocks(found.findings),
         "Over time": _over_time(estimate, found),
         "Over the gait": _over_gait(estimate.model.leg.joint_labels, found),
@@ -49,8 +49,9 @@ def _over_time(estimate: Estimate, found: Interaction) -> Iterator[Block]:
     shown = decimation(int(np.searchsorted(time, SHOWN_SECONDS)), MAX_LINE_POINTS)
     for joint, label in enumerate(estimate.model.leg.joint_labels):
         if not np.isnan(found.torque[:, joint]).all():
+            drawn = (time[shown], found.torque[shown, joint], found.band[shown, joint])
             yield Picture(
-                on_axes(plot_interaction, time[shown], found.torque[shown, joint], found.band[shown, joint], label),
+                on_axes(plot_interaction, *drawn, label, found.units[joint].axes["torque"]),
                 f"Torque of the wearer at the {label} over time with its 95 % band",
                 f"{label}, {shown_part(found.time, found.source)}",
                 "wearer_torque",
@@ -60,7 +61,7 @@ def _over_time(estimate: Estimate, found: Interaction) -> Iterator[Block]:
 def _over_gait(labels: tuple[str, ...], found: Interaction) -> Iterator[Block]:
     if found.period is not None:
         yield Picture(
-            partial(draw_gait_profile, profile=found.by_phase(), labels=labels),
+            partial(draw_gait_profile, profile=found.by_phase(), labels=labels, unit=heading(found.units, "{torque}")),
             "Torque and power of the wearer over the phase of the gait",
             f"{found.source}: mean ± standard deviation; a cycle of {found.period:.3g} s begins at the "
             f"{found.phase_source}",
