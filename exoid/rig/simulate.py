@@ -173,11 +173,13 @@ def _start(plant: Plant, reference: Reference, start: ArrayLike | None) -> tuple
     beyond = (q < plant.lower - ROUNDED) | (q > plant.upper + ROUNDED)
     if beyond.any():
         joint, which = np.argwhere(beyond)[0]
-        name, show = plant.leg.joint_names[joint], position_units(plant.leg)[joint].show
-        least, most = show(plant.lower[joint, which]), show(plant.upper[joint, which])
-        what = f"{name} starts at {show(q[joint, which])} in rig {which}, beyond its end stops at {least} and {most}"
-        remedy = "start between them, or build the plant with end_stops=False"
-        raise BadArgumentError(what, joints=(name,), remedy=remedy)
+        name, unit = plant.leg.joint_names[joint], position_units(plant.leg)[joint].rad
+        raise BadArgumentError(
+            f"{name} starts at {q[joint, which]:.4g} {unit} in rig {which}, beyond its end stops "
+            f"at {plant.lower[joint, which]:.4g} and {plant.upper[joint, which]:.4g} {unit}",
+            joints=(name,),
+            remedy="start between them, or build the plant with end_stops=False",
+        )
     return q, v
 
 

@@ -164,10 +164,10 @@ def refuse_intention(plant: Plant, wearer: Wearer, duration: float) -> None:
     beyond = np.argwhere((q < lower - ROUNDED) | (q > upper + ROUNDED))
     if len(beyond):
         k, joint, rig = beyond[0]
-        name, show = plant.leg.joint_names[joint], position_units(plant.leg)[joint].show
-        beyond_what = f"beyond {show(lower[joint, rig])} and {show(upper[joint, rig])}"
+        name, unit = plant.leg.joint_names[joint], position_units(plant.leg)[joint].rad
         raise BadArgumentError(
-            f"the wearer intends {show(q[k, joint, rig])} of {name} at {times[k]:.2f} s, {beyond_what}",
+            f"the wearer intends {q[k, joint, rig]:.4g} {unit} of {name} at {times[k]:.2f} s, "
+            f"beyond {lower[joint, rig]:.4g} and {upper[joint, rig]:.4g} {unit}",
             remedy="give an intention in rad or m between the end stops, or build the plant with end_stops=False",
         )
 
