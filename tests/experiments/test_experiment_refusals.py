@@ -124,7 +124,7 @@ REFUSED = {
         ("a leg of 0.86 m", lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=1.0))),
         ("left_knee for -126.6", lambda: squats_and_shifts(EXO, 1.0, stance=Stance(height=0.5))),
         ("falls: at 5.", lambda: squats_and_shifts(EXO, 6.0, stance=Stance(frequency=1.6))),
-        ("-48.4 mm", lambda: single_support(EXO, 1.0, stance=Stance(height=0.75))),
+        ("48.4 mm below the ground", lambda: single_support(EXO, 1.0, stance=Stance(height=0.75))),
         ("three", lambda: bleex_machine("three")),
         ("soles", lambda: plan_stance(OTHER)),
     ],
