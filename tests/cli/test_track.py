@@ -39,7 +39,7 @@ def test_an_estimate_is_tracked_by_every_law(track, saved):
     code, out, err = track(saved, "--period", 1, "--json", "--seed", 5)
     assert (code, err) == (0, "")
     data = json.loads(out)
-    assert list(data) == ["laws", "gains", "seed"]
+    assert list(data) == ["laws", "joint_names", "torque_units", "error_units", "gains", "seed"]
     assert list(data["laws"]) == NAMES
     assert all(list(law) == METRICS for law in data["laws"].values())
     est = Estimate.load(saved)
