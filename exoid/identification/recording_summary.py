@@ -112,22 +112,16 @@ def refuse_dead_torques(model: TorqueModel, summaries: Sequence[RecordingSummary
     same = np.array([torques.share == 1.0 for torques in every]) & (values == first)
     constant = (same | ~driven).all(axis=0) & driven.any(axis=0)
     names, units = model.leg.joint_names, position_units(model.leg)
-    dead = {joint: value for joint, value, is_dead in zip(names, first, constant, strict=True) if is_dead}
+    each = zip(names, first, constant, units, strict=True)
+    dead = {joint: f"{value + 0.0:.6g} {unit.torque}" for joint, value, is_dead, unit in each if is_dead}
     if dead:
-        torque_units = {joint: unit.torque for joint, unit in zip(names, units, strict=True)}
-        each = (f"the torque of joint {j} is {x + 0.0:.6g} {torque_units[j]}" for j, x in dead.items())
-        found = "; ".join(f"{one} in every sample" for one in each)
+        found = "; ".join(f"the torque of joint {joint} is {value} in every sample" for joint, value in dead.items())
         mend = f"connect its torque channel, or map the right column to {', '.join(f'tau_{joint}' for joint in dead)}"
-        what = f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}"
-        remedy = (
-            f"{mend}; a joint without an actuator is passive={tuple(dead)!r}, one without a sensor "
-            f"unmeasured={tuple(dead)!r}"
-        )
-        command = (
-            f"{mend}; give --passive {','.join(dead)} for a joint without an actuator, --unmeasured "
-            f"{','.join(dead)} for one without a sensor"
-        )
-        raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy, command=command, joints=tuple(dead))
+        what, joints = f"{found} although the joint{'s move' if len(dead) > 1 else ' moves'}", tuple(dead)
+        remedy = f"{mend}; without an actuator it is passive={joints!r}, without a sensor unmeasured={joints!r}"
+        listed = ",".join(dead)
+        command = f"{mend}; give --passive {listed} without an actuator, --unmeasured {listed} without a sensor"
+        raise NotIdentifiableError(what, where=_sources(summaries), remedy=remedy, command=command, joints=joints)
     for index, joint in enumerate(names):
         for one, torques in measured:
             middle, share = torques.middle[index], torques.share[index]

@@ -1,11 +1,14 @@
 """Low-pass filters against closed forms and measured frequency responses."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
+from exoid import ExoidError
 from exoid.signals import MovingAverage, zero_phase
 from exoid.signals.filters.low_pass import design_frequency, edge_length, noise_bandwidth, slow_part
 
@@ -39,6 +42,14 @@ def test_the_slow_part_is_that_of_a_filter_of_second_order_and_short_records_hav
     ratio = np.tan(np.pi * frequency / rate) / np.tan(np.pi * cutoff / rate)
     assert gain == pytest.approx(1.0 / (1.0 + (np.sqrt(2.0) - 1.0) * ratio**4), rel=1e-3)
     np.testing.assert_allclose(slow_part(np.full((9, 1), 3.0), rate, cutoff), 3.0, rtol=1e-9)
+
+
+def test_a_record_that_is_too_short_is_told_how_long_it_must_be():
+    with pytest.raises(ExoidError, match=r"^20 samples \(0\.2 s\) are too few for a cut-off of 1 Hz") as caught:
+        zero_phase(np.ones((20, 1)), 100.0, 1.0)
+    needed, seconds = re.search(r"more than (\d+) \((\S+) s\) are needed", str(caught.value)).groups()
+    assert float(seconds) == pytest.approx(int(needed) / 100.0, rel=1e-3)
+    np.testing.assert_allclose(zero_phase(np.ones((int(needed) + 1, 1)), 100.0, 1.0), 1.0)
 
 
 def test_ends_are_continued_by_point_reflection():

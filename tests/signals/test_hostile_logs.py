@@ -1,6 +1,7 @@
 """Logs that were made to crash programs or to fill the memory: each ends in one line, and the caller goes on."""
 
 import io
+import itertools
 import os
 import signal
 import struct
@@ -210,11 +211,15 @@ def test_more_columns_than_any_robot_has_are_refused(kind, tmp_path):
 
 @pytest.mark.slow
 @linux
-def test_a_sparse_csv_of_3_gb_is_refused_in_300_mb(tmp_path):
-    path = tmp_path / "log.csv"
+@pytest.mark.parametrize("fault", ["sparse", "open quote"])
+def test_a_csv_that_would_fill_the_memory_is_refused_in_300_mb(fault, tmp_path):
+    path, comment = tmp_path / "log.csv", f"# {'x' * 10**6}\n"
     with path.open("w") as file:
         file.write("time,q_hip,tau_hip\n" + "".join(f"{k / 100},{k / 1000},1.0\n" for k in range(100)))
-        file.truncate(3 * 10**9)
+        if fault == "sparse":
+            file.truncate(3 * 10**9)
+        else:
+            file.writelines([*itertools.repeat(comment, 300), '1.0,0.1,"1.0\n'])
     code = (
         "import exoid, re, sys\ntry:\n    exoid.Recording.from_file(sys.argv[1])\n"
         "except exoid.ExoidError as error:\n"

@@ -195,12 +195,11 @@ def _read_bytes(path: Path) -> bytes:
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise UnreadableInputError("is not a regular file", remedy="copy the log into a file first")
-        blocks, begun, first = list[bytes](), b"", 1  # part of a line that the block before ends with, and its number
+        begun, first = b"", 1  # part of a line that the block before ends with, and its number
         with path.open("rb") as opened:
-            while block := opened.read(LONGEST_LINE):
+            while block := opened.read(LONGEST_LINE):  # all is looked at before any of it is kept
                 if b"\0" in block:  # before a sparse file of many gigabytes fills the memory
                     raise UnreadableInputError("the file is binary, not text", remedy="export it as CSV in UTF-8")
-                blocks.append(block)
                 whole = begun + block
                 *lines, begun = whole.splitlines(keepends=True)
                 if b'"' in whole:
@@ -208,7 +207,10 @@ def _read_bytes(path: Path) -> bytes:
                 first += len(lines)
                 if len(begun) >= LONGEST_LINE:
                     raise UnreadableInputError("a line of over 1 MB", where=f"line {first}", remedy="break it up")
-        return b"".join(blocks)
+            _refuse_open_quotes([begun], first)
+            size = opened.tell()
+            opened.seek(0)
+            return opened.read(size)
     except FileNotFoundError:
         raise UnreadableInputError("no such file", remedy=f"check the path; looked in {path.parent}") from None
     except (OSError, ValueError) as problem:

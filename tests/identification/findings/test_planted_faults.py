@@ -155,9 +155,9 @@ FAULTS = {
     ),
     **{
         f"an angle off {k} times a turn": Fault(
-            column("q", 1, lambda x, k=k: x + 0.04 / k * np.sin(k * x)), "angle-ripple", 1, about(0.04 / k, 0.008 / k)
+            column("q", 1, lambda x, k=k, a=a: x + a * np.sin(k * x + k)), "angle-ripple", 1, about(a, 0.2 * a)
         )
-        for k in (4, 8, 50)
+        for k, a in ((4, 0.01), (8, 0.005), (50, 0.0008))
     },
     "a push": Fault(
         column("tau", 1, lambda x: x + 2.0 * x.std() * np.exp(-(((np.arange(len(x)) - 1500) / 50.0) ** 2))),
