@@ -162,7 +162,14 @@ class ControlModel:
         return len(self.coulomb)
 
     def driven(self, values: FloatArray) -> FloatArray:
-        """Set what belongs to passive joints to zero, in the first axis of an array."""
+        """Set what belongs to passive joints to zero.
+
+        Args:
+            values: One for each joint in the first axis, such as torques [N·m], (n, ...).
+
+        Returns:
+            The same, zero at joints without an actuator.
+        """
         return np.where(self.drives.reshape(-1, *(1,) * (values.ndim - 1)), values, 0.0) if self.passive else values
 
     def statics(self, q: FloatArray) -> FloatArray:
