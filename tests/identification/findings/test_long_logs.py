@@ -9,10 +9,10 @@ from swings import Swing
 import exoid
 
 LEG, RATE = exoid.load_leg("cuhk"), 500.0
-LOG = replace(Swing(LEG, RATE, 400.0, smoothing=0.015).with_noise(np.random.default_rng(1000), 0.3), v=None, a=None)
+LOG = replace(Swing(LEG, RATE, 220.0, smoothing=0.015).with_noise(np.random.default_rng(1000), 0.3), v=None, a=None)
 
 
-@pytest.mark.parametrize("second", [37, 101, 217, 333, 399])
+@pytest.mark.parametrize("second", [37, 101, 219])
 def test_an_angle_that_freezes_for_a_second_is_named(second):
     q, start = LOG.q.copy(), int((second - 1) * RATE)
     q[start : start + int(RATE), 0] = q[start, 0]
