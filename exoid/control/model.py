@@ -390,7 +390,7 @@ def completed(source: Estimate) -> Estimate:
     gain = np.linalg.solve(C[among] + prior[among], C[free]).T
     left = np.eye(len(C))
     left[:, free] -= gain
-    # Joseph's form: differences of large variances would leave negative ones
+    # (1 − K) C (1 − K)ᵀ + K P Kᵀ, by Joseph: a difference of large variances, C − K C, would leave negative ones
     half = np.hstack([left @ matrix_root(C), gain @ matrix_root(prior[among])])
     half[source.std == 0.0] = 0.0
     return replace(source, values=source.values + gain @ apart, covariance=half @ half.T)

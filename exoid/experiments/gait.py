@@ -67,8 +67,9 @@ def gait_for_leg(leg: Leg, flexion: Harmonics, roles: Mapping[str, str] | None =
             f"no gait for the joints {', '.join(labels)}",
             where=leg.description.name,
             remedy=f"use a planar leg with {', '.join(ROLES)}, name the role of each joint, or follow a log",
-            command="exoid track --reference follows a log; gaits are for planar legs whose joints all turn"
-            + (f": name the role of each (--role {labels[0]}=hip)" if chain else ""),
+            command=f"name the role of each joint (--role {labels[0]}=hip), or follow a log with --reference"
+            if chain
+            else "follow a log with --reference: gaits are for planar legs whose joints all turn",
         )
     signs = [-sign if label == "knee" else sign for label, sign in zip(labels, chain.signs.tolist(), strict=True)]
     rows = [ROLES.index(label) for label in labels]

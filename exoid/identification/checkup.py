@@ -52,11 +52,12 @@ def logs_apart(group: Group, values: FloatArray) -> Iterator[Finding]:
     if len(moving) < 3:  # of two, either may be the one that is wrong
         return
     every = [factorize_rows(group.decimated(k)) for k in moving]
-    left = np.array([[rms_residual([row], values) for row in of_log] for of_log in every])
-    whole = np.array([rms_residual(of_row, 0.0 * values) for of_row in zip(*every, strict=True)])
+    # over the torque of the log and that of all: where one bends the fit, fast logs have larger residuals, too
+    left, own = (np.array([[rms_residual([row], x) for row in log] for log in every]) for x in (values, 0.0 * values))
+    whole = np.hypot(own, [rms_residual(of_row, 0.0 * values) for of_row in zip(*every, strict=True)])
     share = left / np.where(whole > 0.0, whole, np.inf)  # none of a passive joint
     usual = np.median(share, axis=0)
-    bound = np.minimum(np.maximum(0.25, 3.0 * usual), np.maximum(0.01, 10.0 * usual))
+    bound = np.maximum(0.01, 4.0 * usual)  # of 30 logs without a fault beside one of any kind, at most half of it
     for k, of_log, j in zip(moving, share, np.argmax(share / bound, axis=1), strict=True):
         if of_log[j] > bound[j]:
             name, joint = group.data[k].file_name or f"recording {k + 1}", group.model.row_names[j]

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 
 import exoid
 from exoid import Coulomb, Stiffness, Viscous, control
+from exoid.control.lqr import linearise
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.rig import Plant
 
@@ -75,12 +77,13 @@ def test_a_spring_that_the_log_hardly_tells_from_the_foot_stays(log):
 
 
 def test_the_lqr_gain_is_that_of_the_torques_there_are():
-    """Stable with hip and knee alone, where the rows of a gain for three torques are not."""
-    model = replace(control.ControlModel.of(PLANT), passive=("left_ankle",))
-    pose = control.mean_pose(GAIT, PERIOD)
-    law = control.lqr(model, pose, angle_deg=0.2, rate=RATE)
-    assert not law.kp[2].any()
-    assert not law.kd[2].any()
-    assert law.kp[:2].any()
-    whole = control.lqr(control.ControlModel.of(PLANT), pose, angle_deg=0.2, rate=RATE)
-    assert np.abs(law.kp[:2] - whole.kp[:2]).max() > 0.01 * np.abs(whole.kp).max()
+    """The discrete Riccati equation for two inputs, with a torque that is held for 5 ms."""
+    whole = control.ControlModel.of(PLANT)
+    pose, still = control.mean_pose(GAIT, PERIOD), np.zeros(3)
+    law = control.lqr(replace(whole, passive=("left_ankle",)), pose, angle_deg=0.2, rate=RATE)
+    A, B = linearise(whole, pose, still, still)
+    A, B, *_ = scipy.signal.cont2discrete((A, B[:, :2], np.eye(6), np.zeros((6, 2))), 1.0 / RATE)
+    Q, R = np.diag([np.deg2rad(0.2) ** -2.0] * 3 + [0.0] * 3), 0.01 * np.eye(2)
+    S = scipy.linalg.solve_discrete_are(A, B, Q, R)
+    K = np.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)
+    np.testing.assert_allclose(np.hstack([law.kp, law.kd]), np.vstack([K, np.zeros(6)]), atol=1e-6 * np.abs(K).max())

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from swings import Swing
+from swings import TERMS, Swing
 
 import exoid
 
@@ -20,13 +20,15 @@ FAULTS = {
 }
 
 
+@pytest.mark.parametrize("terms", [TERMS, ()], ids=["friction", "no friction"])
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_log_unlike_the_others_is_named(fault, tmp_path):
+def test_a_log_unlike_the_others_is_named(fault, terms, tmp_path):
+    """Also by a model without friction, which leaves much of all logs."""
     rng = np.random.default_rng(1000)
     for k in range(COUNT):
         swing = Swing(LEG, 100.0, 3.0, base=rng.uniform(0.3, 1.2), smoothing=0.015)
         log = replace(swing.with_noise(rng, 0.3), v=None, a=None)
         (FAULTS[fault](log) if k == PLACE else log).to_csv(tmp_path / f"{k}.csv")
-    found = exoid.identify(LEG, exoid.Recordings.from_folder(tmp_path)).findings
+    found = exoid.identify(LEG, exoid.Recordings.from_folder(tmp_path), terms).findings
     named = [one.recording for one in found if one.kind == "large-residual"]
     assert named == ([] if fault == "none" else [f"{PLACE}.csv"])
