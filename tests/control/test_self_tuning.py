@@ -10,6 +10,7 @@ from controlled_legs import LEG, cuhk_plant, exact_estimate
 
 import exoid
 from exoid.control import ControlModel, Limited, State, compare_laws, feedforward_pd, gravity_support, self_tuning
+from exoid.control.model import completed
 from exoid.control.self_tuning import SLEW, SelfTuning
 from exoid.control.self_tuning import exact_estimate as written
 from exoid.control.standard_laws import SENSORS
@@ -145,6 +146,10 @@ def test_what_recordings_leave_open_is_that_of_the_leg(seed):
     q = np.array([0.3, 0.0]) + np.array([0.005, 0.5]) * waves
     source, v, a = identified(q, (exoid.Viscous(), exoid.Offset()), seed=seed)
     assert np.abs(source.values).max() > 100.0
+    known, unsure = completed(source), np.array(source.identifiability) == "not"
+    size = 0.1 * np.minimum(source.parameter_scale, source.reference_scale)[unsure]
+    assert (known.std[unsure] < np.minimum(source.std[unsure], 10.0 * size)).all()
+    assert (known.std[unsure] > 0.05 * size).all()  # the leg as it was given is not certain either
     with pytest.warns(UserWarning, match="X1"):
         model = ControlModel.of(source)
     torque = source.model.regressor(q, v, a) @ source.values

@@ -32,3 +32,11 @@ def test_a_log_unlike_the_others_is_named(fault, terms, tmp_path):
     found = exoid.identify(LEG, exoid.Recordings.from_folder(tmp_path), terms).findings
     named = [one.recording for one in found if one.kind == "large-residual"]
     assert named == ([] if fault == "none" else [f"{PLACE}.csv"])
+
+
+def test_logs_without_noise_are_alike():
+    """What the cut-off leaves of them is 3e-5 of the torque, and in one log several times that of the others."""
+    rng = np.random.default_rng(3)
+    swings = [Swing(LEG, 100.0, 3.0, base=rng.uniform(0.05, 1.2), smoothing=0.015) for _ in range(COUNT)]
+    logs = [replace(swing.with_noise(rng, 0.0), v=None, a=None) for swing in swings]
+    assert not [one for one in exoid.identify(LEG, logs, TERMS).findings if one.kind == "large-residual"]
