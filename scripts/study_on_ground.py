@@ -329,8 +329,10 @@ def walked(
     return judged(where, motion, loop, functions["last step"], None, PASSIVE, seed, event)
 
 
-def pulled(plant: GroundPlant, motion: GroundMotion, bearings: Mapping[str, Bearing], rail: Spring) -> GroundMotion:
-    """Let the hand on a rail pull as planned, so that no sole bears a moment: its carriage moves ahead of the torso."""
+def pulled(
+    plant: GroundPlant, motion: GroundMotion, bearings: Mapping[str, Bearing], rail: Spring
+) -> tuple[GroundMotion, FloatArray]:
+    """Let the hand on a rail pull, so that no sole bears a moment: carriage ahead of the torso, and force, (K, 3)."""
     b, q, base = plant.leg.base_rows, motion.q, motion.base
     hand = _bearing(plant, q, base, plant.root_link, Bearing(np.ones(len(q)), np.array(rail.point)), held=False)[0]
     parts = [_bearing(plant, q, base, link, each, held=False) for link, each in bearings.items()]
@@ -340,7 +342,23 @@ def pulled(plant: GroundPlant, motion: GroundMotion, bearings: Mapping[str, Bear
     rows = motion_rows(plant, motion.time, q, base)[:, :b, None]
     pull = 0.1 * np.einsum("nk,nk->n", J[:, 0], np.linalg.solve(np.einsum("nki,nk,nkj->nij", J, S, J), rows)[..., 0])
     ahead = pull / rail.stiffness[0] * minimum_jerk(motion.time + LEAD)
-    return replace(motion, base=base + np.outer(ahead, [1.0, 0.0, 0.0]))
+    return replace(motion, base=base + np.outer(ahead, [1.0, 0.0, 0.0])), hand[:, 0, :b] * pull[:, None]
+
+
+def planned_torque(
+    plant: GroundPlant, motion: GroundMotion, bearings: Mapping[str, Bearing], pull: FloatArray
+) -> FloatArray:
+    """Torque of machine and wearer that a plan takes with the truth, on planned contacts, shares and pull, (K, n)."""
+    law, curve = stance(plant, plant.soles), scipy.interpolate.CubicSpline(motion.time, motion.q)
+    pitch, out = scipy.interpolate.CubicSpline(motion.time, motion.base[:, 2]), []
+    for k, t in enumerate(motion.time):
+        shares = {link: float(each.share[k]) for link, each in bearings.items() if each.share[k] > 2e-3}
+        target = GroundTarget(*(curve(t, i) for i in range(3)), *(float(pitch(t, i)) for i in range(3)))
+        tilt = {link: law.model.turns[link] @ target.q + target.pitch for link in shares}
+        contacts = {x: "flat" if abs(a) < 0.01 else "heel" if a > 0.0 else "toe" for x, a in tilt.items()}
+        pose = target.q, target.v, target.pitch, target.pitch_rate
+        out.append(law.command(GroundState(*pose, contacts, shares, None, pull[k]), target).torque)
+    return np.array(out)
 
 
 def coordinated(
@@ -360,8 +378,10 @@ def coordinated(
     q = scipy.interpolate.CubicSpline(PHASE, joint_angles(truth.leg, function.flexion))(phase)
     bearings = _bearings(where, function, phase, flexion, base)
     motion = planned_motion(where, t, q, base, bearings, held=points)
-    rail = HAND_RAIL if points or not free else None
-    motion = motion if rail is None else pulled(where, motion, bearings, rail)
+    rail, pull, carriage = HAND_RAIL if points or not free else None, np.zeros((len(t), 3)), motion
+    if rail is not None:
+        carriage, pull = pulled(where, motion, bearings, rail)
+    plan = planned_torque(where, motion, bearings, pull)
     rules = [Rule("stand", "request", key) for key in made if key != "stand"]
     rules += [Rule(key, "end", "stand") for key in made if key != "stand"]
     table = (*rules, Rule(SAFE, "known", "stand")) if made else TABLE
@@ -369,7 +389,7 @@ def coordinated(
     start = "sit" if name == "rise" else "stand"
     told = filter_of(model, where.soles)
     loop = Noted(stance(model, where.soles), told, coordinator, {0.3: name, **event.requests}, start)
-    return judged(where, motion, loop, function, rail, wearer, seed, event)
+    return judged(where, carriage, loop, function, rail, wearer, seed, event, plan)
 
 
 def judged(
@@ -381,6 +401,7 @@ def judged(
     wearer: GroundWearer,
     seed: int,
     event: Event,
+    plan: FloatArray | None = None,
 ) -> FloatArray:
     """Run a loop: its end, figures of :data:`COORDINATED`, sunk, goes on, safe."""
     try:
@@ -430,10 +451,12 @@ def judged(
     wrong = 100.0 * float(np.mean(~right[sure]))
     delay = 1e3 * float(np.quantile(late, 0.95)) if late else np.nan
     knees = [limb.joints.start + 1 for limb in plant.leg.limbs]
-    plan = loop.planned_knees(plant)[-len(run.time) :]
-    beside = (run.tau + run.interaction)[:, knees] - plan
+    had, taken = (run.tau + run.interaction)[:, knees], [loop.planned_knees(plant)[-len(run.time) :]]
+    if plan is not None:
+        taken.append(scipy.interpolate.CubicSpline(motion.time, plan[:, knees])(run.time))
     figures = [1e3 * far, 1e3 * error, 1e3 * damped, 1e3 * aloft, np.abs(run.tau).max(), held, wrong, delay]
-    figures.append(100.0 * float(np.sqrt(np.nanmean(beside**2) / np.nanmean(plan**2))))
+    beside = [np.sqrt(np.nanmean((had - each) ** 2) / np.nanmean(each**2)) for each in taken]
+    figures += [100.0 * float(x) for x in (*beside, np.nan)[:2]]
     stops = [k for k, d in enumerate(shown) if d.level == "damping"]
     moved = legs_flexion(plant.leg, run.q[[-1, stops[0]]] if stops else run.q[[-1, -1]])
     figures.append(0.0 if goes_on else 1e3 * float(np.abs(moved[0] - moved[1]).max()))
@@ -452,10 +475,11 @@ COORDINATED = (
     "wrong [%]",
     "delay [ms]",
     "knees [%]",
+    "plan [%]",
 )
 """Columns of the closed loop: errors of joints at the end and RMS, time of damping and of support in the air, largest
 forces, contacts told wrong further than 100 ms from a transition, 95 % of delays, and RMS of the torque of the knees
-beside what the reference takes with the truth, on the same contacts and rail."""
+beside what the reference takes with the truth, on the same contacts and rail, and on those of the plan."""
 
 WALKS = {
     "walk": Steps(),
