@@ -124,20 +124,21 @@ def truth_of(machine: str, rng: np.random.Generator) -> GroundPlant:
     return GroundPlant.build(leg, SOLES[machine], values)
 
 
-def identified(machine: str, truth: GroundPlant, seed: int) -> exoid.Estimate:
-    """Identify a machine from logs with noise."""
+def identified(machine: str, truth: GroundPlant, seed: int, longer: float = 1.0) -> exoid.Estimate:
+    """Identify a machine from logs with noise, which may be longer."""
     if machine == "cuhk":
-        rng, t = np.random.default_rng(seed), knots(15.0)
+        rng, t = np.random.default_rng(seed), knots(15.0 * longer)
         q = np.array([0.3, 0.8, 0.3, 0.8]) + np.column_stack([wave(t, 0.35, f, rng) for f in (0.6, 0.72, 0.66, 0.8)])
         base = np.column_stack([0.0 * t, 1.4 + wave(t, 0.03, 0.8, rng), wave(t, 0.15, 0.5, rng)])
         run = follow(truth, planned_motion(truth, t, q, base, {}), SWING_GAINS_CUHK, spring=CLAMP)
         log = run.recording(replace(SENSORS, torque_noise=(0.5, 0.4)), seed)
         return exoid.identify(exoid.load_exo("cuhk", base="floating"), log, TERMS, check=False)
+    each = 20.0 * longer
     runs = {
-        "squats": ground.squats_and_shifts(truth, 20.0, seed=seed),
-        "left": ground.single_support(truth, 20.0, standing=0, stance=ONE_FOOT, seed=seed + 1),
-        "right": ground.single_support(truth, 20.0, standing=1, stance=ONE_FOOT, seed=seed + 2),
-        "swing": ground.swing(truth, 20.0, scale=0.85, seed=seed + 3),
+        "squats": ground.squats_and_shifts(truth, each, seed=seed),
+        "left": ground.single_support(truth, each, standing=0, stance=ONE_FOOT, seed=seed + 1),
+        "right": ground.single_support(truth, each, standing=1, stance=ONE_FOOT, seed=seed + 2),
+        "swing": ground.swing(truth, each, scale=0.85, seed=seed + 3),
     }
     logs = [run.recording(seed=seed + k, wrenches=set(run.wrenches) & {"torso"}) for k, run in enumerate(runs.values())]
     return exoid.identify(exoid.load_exo("bleex", base="floating"), logs, TERMS, check=False)
@@ -660,12 +661,12 @@ def figures(loop: Probe, run: GroundRun) -> dict[str, float]:
     return out
 
 
-def one(machine: str, seed: int, only: str | None = None) -> dict[tuple[str, str, str], float]:
+def one(machine: str, seed: int, only: str | None = None, longer: float = 1.0) -> dict[tuple[str, str, str], float]:
     """All figures of a seed, by motion, model and name."""
     warnings.simplefilter("ignore")
     rng = np.random.default_rng(seed)
     truth = truth_of(machine, rng)
-    models = {"truth": truth, "identified": identified(machine, truth, 10 * seed)}
+    models = {"truth": truth, "identified": identified(machine, truth, 10 * seed, longer)}
     models["CAD"] = exoid.load_exo(machine, base="floating")
     if machine == "bleex":
         motions = {"squats": (ground.stance_motion(truth, 5.0, seed=seed), None)}
@@ -699,6 +700,7 @@ def main() -> None:
     parser.add_argument("--faults", type=int, default=0, help="coordinated: planted events for each seed")
     parser.add_argument("--machine", choices=("bleex", "cuhk"), default=None)
     parser.add_argument("--motion", default=None, help="squats or step; coordinated: rise, sit, ..., or worn; an event")
+    parser.add_argument("--longer", type=float, default=1.0, help="logs are so many times as long")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.seeds)
     if options.coordinated:
@@ -712,7 +714,7 @@ def main() -> None:
         begun = time.perf_counter()
         found = []
         for each in Parallel(n_jobs=options.jobs, return_as="generator")(
-            delayed(one)(machine, s, options.motion) for s in seeds
+            delayed(one)(machine, s, options.motion, options.longer) for s in seeds
         ):
             found.append(each)
             print(f"{machine}: {len(found)} of {options.seeds} seeds", file=sys.stderr)
