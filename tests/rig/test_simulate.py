@@ -2,10 +2,20 @@
 
 import numpy as np
 import pytest
+from one_joint import URDF
 from rigs import BLEEX, EVERYTHING, FRICTION, Swing
 
-from exoid import ExoidError
-from exoid.rig import HydraulicServo, Plant, ProportionalDerivative, Rates, Sensors, simulate
+from exoid import ExoidError, Leg
+from exoid.rig import (
+    HydraulicServo,
+    IdealTorque,
+    Plant,
+    ProportionalDerivative,
+    Rates,
+    Sensors,
+    Target,
+    simulate,
+)
 from exoid.rig.sensors import read_angle, read_torque, read_velocity
 
 SERVO = HydraulicServo(5000.0, 0.01, 10.0)
@@ -68,3 +78,17 @@ def test_a_log_becomes_a_recording():
     assert done.recording().v is None
     with pytest.raises(ExoidError, match="no rig 1"):
         done.recording(1)
+
+
+def test_a_joint_that_turns_is_recorded_in_radians(tmp_path):
+    """Four turns are no degrees."""
+
+    class Turning:
+        def at(self, time):
+            return Target(np.array([[8.0 * time]]), np.array([[8.0]]))
+
+    path = tmp_path / "one.urdf"
+    path.write_text(URDF.replace("revolute", "continuous"), encoding="utf-8")
+    plant = Plant.build(Leg.from_urdf(path), {})
+    turned = simulate(plant, Turning(), ProportionalDerivative(500.0, 20.0), IdealTorque(), 3.0).recording()
+    assert turned.q[-1, 0] == pytest.approx(24.0, abs=0.5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
@@ -165,6 +166,7 @@ class GroundRun:
             base=imu,
             wrenches=measured,
             contacts=contacts,
+            largest_angle=math.inf,
         )
 
     def wrench(self, link: str, *, world: bool = False) -> Wrench:
