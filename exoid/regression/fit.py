@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy  # its parts load when they are first used
 
-from exoid._typing import FloatArray
+from exoid._typing import BoolArray, FloatArray
 
 from .least_squares import RANK_OF_SQUARES, ROUNDING, TINY, RFactor, stack
 from .noise import AutoregressiveNoise
@@ -51,8 +51,7 @@ def wls(problem: LeastSquaresProblem) -> Fit:
     """
     # The first fit may sacrifice a joint of small torques. Where its residual then falls by more than half, its weight
     # was too small: with more rounds, 79 machines of the proving ground (seeds below 80) have 0.95 of the NRMSE.
-    factors, floor = problem.r_factors, noise_floor(problem)
-    measured = np.array([bool(each.R[:, -1].any()) for each in factors])  # others would have ever more weight
+    factors, floor, measured = problem.r_factors, noise_floor(problem), has_torque(problem)
     solution, rms = problem.solve(stack(factors)), np.full(len(factors), np.inf)
     for _ in range(6):
         left = [max(each.residual(solution.values) / math.sqrt(max(each.rows, 1)), floor) for each in factors]
@@ -62,6 +61,12 @@ def wls(problem: LeastSquaresProblem) -> Fit:
         rms = settled
         solution = problem.solve(stack(factors, (1.0 / rms).tolist()))
     return Fit(solution, (1.0 / rms).tolist())
+
+
+def has_torque(problem: LeastSquaresProblem) -> BoolArray:
+    """Whether rows have a torque: those of a passive joint or a free base fit ever better as parameters go to zero."""
+    # so they keep the weight of a fit that did not know theirs
+    return np.array([bool(each.R[:, -1].any()) for each in problem.r_factors])
 
 
 def noise_floor(problem: LeastSquaresProblem) -> float:

@@ -1,5 +1,6 @@
 """Joints without an actuator: an estimate knows them, and no law counts on a torque that nothing makes."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import exoid
 from exoid import Coulomb, Stiffness, Viscous, control
 from exoid.control.lqr import linearise
 from exoid.experiments import gait_for_leg, healthy_gait
-from exoid.rig import Plant
+from exoid.rig import Plant, Sensors
 
 LEG = exoid.load_leg("bleex")
 FRICTION = {"c0_hip": 1.0, "c0_knee": 0.8, "d_hip": 0.5, "d_knee": 0.4, "d_ankle": 1.5}
@@ -74,6 +75,25 @@ def test_a_spring_that_the_log_hardly_tells_from_the_foot_stays(log):
         model = control.ControlModel.of(estimate)
     assert model.spring[-2, 2] == pytest.approx(20.0, rel=0.2)
     control.computed_torque(model, 100.0, 20.0, rate=RATE)
+
+
+@functools.cache
+def log_by_encoders(counts):
+    """Log of the same machine by encoders, with noise of its torques."""
+    sensors = Sensors(counts, torque_noise=(0.3, 0.2, 0.0))
+    run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 20.0, log_rate=RATE, seed=1000, sensors=sensors)
+    return replace(run.recording, v=None, passive=("left_ankle",))
+
+
+@pytest.mark.parametrize("estimator", ["huber", "ml", "wls"])
+@pytest.mark.parametrize("counts", [np.inf, 2.0**16])
+def test_no_estimator_makes_nothing_of_a_passive_foot(estimator, counts):
+    """Its rows say zero: without a foot they fit best, and weights by their residuals led there."""
+    found = exoid.identify(LEG, log_by_encoders(counts), TERMS, estimator=estimator, check=False)
+    truth = dict(zip(LEG.parameter_names, LEG.parameters, strict=True)) | {"b1_ankle": 20.0, "d_ankle": 1.5}
+    for name in ("X3", "Y3", "J3", "b1_ankle", "d_ankle"):
+        assert found[name].value == pytest.approx(truth[name], rel=0.3), name
+        assert abs(found[name].value - truth[name]) < 4.0 * found[name].std, name
 
 
 def test_the_lqr_gain_is_that_of_the_torques_there_are():

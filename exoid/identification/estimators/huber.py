@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.regression.fit import noise_floor, wls
+from exoid.regression.fit import has_torque, noise_floor, wls
 from exoid.regression.least_squares import RFactor, factorize, joint_table, stack
 from exoid.regression.problem import Fit, RowProblem
 from exoid.signals.cutoff import robust_std
@@ -23,12 +23,13 @@ def huber(problem: RowProblem) -> Fit:
     min(1, 1.345 / |r|). A spike of the torque sensor then pulls no more than a residual of 1.345 s.
     """
     solution, floor = wls(problem).solution, noise_floor(problem)
-    scales = np.full(len(problem.r_factors), np.nan)
+    scales, measured = np.full(len(problem.r_factors), np.nan), has_torque(problem)
     for _ in range(50):  # until no parameter moves by more than this part of its standard deviation
         sizes: list[list[FloatArray]] = [[] for _ in problem.r_factors]
         for index, columns, table, _ in _tables(problem):
             sizes[index].append(np.abs(table[-1] - solution.values[columns] @ table[:-1]))
-        scales = np.maximum(np.array([robust_std(np.hstack(x)) if any(map(len, x)) else 0.0 for x in sizes]), floor)
+        left = np.maximum(np.array([robust_std(np.hstack(x)) if any(map(len, x)) else 0.0 for x in sizes]), floor)
+        scales = np.where(measured | np.isnan(scales), left, scales)
         r_factors = _weighted(problem, solution.values, scales, lambda r: np.sqrt(TUNING / np.maximum(r, TUNING)))
         before, solution = solution, problem.solve(stack(r_factors))
         if (np.abs(solution.values - before.values) <= 1e-4 * np.sqrt(np.diag(solution.covariance))).all():

@@ -13,7 +13,7 @@ import numpy as np
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
 from exoid.identification.problem import Problem
-from exoid.regression.fit import correlated_uncertainty, wls
+from exoid.regression.fit import correlated_uncertainty, has_torque, wls
 from exoid.regression.problem import Fit
 from exoid.regression.residuals import fit_noise
 from exoid.signals import Poses, Recording, ZeroPhase, choose_preparation
@@ -86,7 +86,11 @@ class JointML:
         model = smooth(group.model)
         preparation = choose_preparation([group.model.select(data) for data in group.motions])
         moving = [_moving(group.model, data, preparation) for data in group.motions]
-        fit = partial(fit_motion, model, solve=problem.solve, priors=problem.prior_knowledge.pseudo_rows(problem.names))
+        # A passive joint has no torque whose noise could be seen: its level is that of ordinary least squares. With a
+        # smaller one, errors of the spline count so much that the joint's parameters go to zero.
+        held = np.where(has_torque(problem), np.nan, 1.0 / np.array(first.weights))
+        priors = problem.prior_knowledge.pseudo_rows(problem.names)
+        fit = partial(fit_motion, model, solve=problem.solve, priors=priors, held=held)
         start = first if preparation == group.preparation else wls(problem.changed(preparation=preparation))
         values, spacing = start.solution.values, self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)

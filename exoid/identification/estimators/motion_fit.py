@@ -41,12 +41,13 @@ def fit_motion(
     spacing: float,
     solve: Callable[[RFactor], Solution],
     priors: FloatArray,
+    held: FloatArray,
     settled: float = SETTLED,
 ) -> MotionFit:
     """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β."""
     # The noise levels follow in turn, σ² = Σ residual² / (N − what the fit took away), with that share from the
     # trace of the hat matrix, estimated by random vectors (the same in every round).
-    system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving])
+    system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving], held)
     state = system.begin(values)
     redundancy = max(1, int(np.sum(system.counts())) - sum(c.size for c in state.coefficients) - len(values))
     levels = system.levels(system.residuals(state), None)

@@ -75,6 +75,7 @@ class System(NamedTuple):
     moving: Sequence[Moving]
     priors: FloatArray
     trajectories: list[Trajectory]
+    held: FloatArray  # noise level of the torque of joints that have none [N·m], NaN for others, (n,)
 
     def begin(self, values: FloatArray) -> MotionState:
         """Splines through the smoothed angles."""
@@ -139,7 +140,8 @@ class System(NamedTuple):
         quiet = QUIET * max(float(np.abs(data.tau).max()) for data in self.moving)
         each = zip(squares, self.counts(), taken, (QUIET, quiet), strict=True)
         left = ((total / np.maximum(count - lost, 1.0), least) for total, count, lost, least in each)
-        return Levels(*(np.maximum(np.sqrt(square), least) for square, least in left))
+        angle, torque = (np.maximum(np.sqrt(square), least) for square, least in left)
+        return Levels(angle, np.where(np.isnan(self.held), torque, self.held))
 
     def counts(self) -> tuple[FloatArray, FloatArray]:
         """Angles and usable torques of each joint."""
@@ -166,10 +168,10 @@ class System(NamedTuple):
 
     def criterion(self, residuals: Residuals, levels: Levels) -> float:
         """See :attr:`MotionFit.criterion`; σ² = Σ residual² / (N (1 − t)), and of t only this is needed."""
-        total = 0.0
-        for residual, level, count in zip(residuals, levels, self.counts(), strict=True):
+        total, measured = 0.0, np.isnan(self.held)
+        for residual, level, count, seen in zip(residuals, levels, self.counts(), (True, measured), strict=True):
             mean = np.maximum((residual**2).sum(axis=0) / np.maximum(count, 1.0), np.finfo(float).tiny)
-            total += float((count * (4.0 * np.log(level) - np.log(mean))).sum())
+            total += float((count * (4.0 * np.log(level) - np.log(mean)) * seen).sum())
         return total
 
     def taken(
