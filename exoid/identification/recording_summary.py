@@ -18,8 +18,7 @@ from exoid.signals.cutoff import AccelerationPower, acceleration_power
 from exoid.torques import TorqueModel
 from exoid.torques.position_units import position_units
 
-SMALLEST_MOTION = 2e-3
-"""A joint whose angle spans less than this [rad], about a tenth of a degree, counts as standing still."""
+SMALLEST_MOTION = 2e-3  # a joint whose angle spans less [rad], about a tenth of a degree, counts as standing still
 
 
 class Torques(NamedTuple):

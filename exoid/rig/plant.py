@@ -16,8 +16,7 @@ from exoid.tools.numbers import checked
 from exoid.tools.tables import DataTable, to_text, value_range
 from exoid.torques.position_units import heading, position_units
 
-STIFFNESS_DEGREE = 2
-"""Degree of the polynomial spring at each joint."""
+STIFFNESS_DEGREE = 2  # of the polynomial spring at each joint
 
 SYMBOLS = ("b2", "b1", "b0", "c0", "cs", "d", "Ia")
 """Symbols of stiffness, kinetic, static and viscous friction, and rotor inertia in :meth:`Plant.build`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -148,7 +147,7 @@ class Run:
             tau=self.tau_measured[..., rig],
             joint_names=tuple(joint_names or names),
             torso=TorsoMotion(pitch=float(self.plant.pitch[rig])) if self.plant.pitch[rig] else None,
-            largest_angle=math.inf,
+            largest_angle=np.inf,
         )
         if actuators is None:
             return log

@@ -22,8 +22,7 @@ from .stepper import Step, Stepper
 from .wearer import Wearer
 from .worn_stepper import WornStepper
 
-DIVERGED_SPEED = 1e4
-"""Speed from which a joint counts as diverged [rad/s]."""
+DIVERGED_SPEED = 1e4  # speed from which a joint counts as diverged [rad/s]
 
 
 class Rates(NamedTuple):

@@ -75,8 +75,8 @@ def system(swing):
         log = noisy(swing, seed).slice(rows.start, rows.stop)
         usable = (np.random.default_rng(seed).random(log.q.shape) > 0.1).astype(float)
         moving.append(Moving(log.time, log.q, log.tau, usable, swing.motion[0][rows], None))
-    nothing_held = np.full(len(LEVELS.angle), np.nan)
-    return System(model, moving, NO_PRIORS, [Trajectory.on(data.time, 0.07) for data in moving], nothing_held)
+    least = Levels(1e-9 * LEVELS.angle, 1e-9 * LEVELS.torque)
+    return System(model, moving, NO_PRIORS, [Trajectory.on(data.time, 0.07) for data in moving], least)
 
 
 LEVELS = Levels(np.array([1e-3, 2e-3, 3e-3]), np.array([0.05, 0.1, 0.02]))

@@ -23,13 +23,13 @@ from exoid.torques import TorqueModel
 from exoid.torques.terms import DryFriction
 
 from .motion_fit import MotionFit, fit_motion
-from .motion_system import Moving
+from .motion_system import Levels, Moving
 
 LADDER = math.sqrt(2.0)  # ratio of one knot spacing that is tried to the next
 FINEST = 2.0  # knots of the ladder are at least so many samples apart
 CLOSEST = 1.5  # knots closer than so many samples are refused: measurements would not hold the motion
-ROUGHLY = 0.05
-"""How far a fit goes on a rung of the ladder, see :data:`exoid.identification.estimators.motion_fit.SETTLED`."""
+QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
+ROUGHLY = 0.05  # what SETTLED is on a rung of the ladder
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,12 @@ class JointML:
         model = smooth(group.model)
         preparation = choose_preparation([group.model.select(data) for data in group.motions])
         moving = [_moving(group.model, data, preparation) for data in group.motions]
-        # A passive joint has no torque whose noise could be seen: its level is that of ordinary least squares. With a
-        # smaller one, errors of the spline count so much that the joint's parameters go to zero.
-        held = np.where(has_torque(problem), np.nan, 1.0 / np.array(first.weights))
+        # Noise of a passive joint is not seen; below what ordinary least squares leave, its parameters would go to zero
+        quiet = QUIET * max(float(np.abs(data.tau).max()) for data in moving)
+        torque = np.where(has_torque(problem), quiet, 1.0 / np.array(first.weights))
+        least = Levels(np.full_like(torque, QUIET), torque)
         priors = problem.prior_knowledge.pseudo_rows(problem.names)
-        fit = partial(fit_motion, model, solve=problem.solve, priors=priors, held=held)
+        fit = partial(fit_motion, model, solve=problem.solve, priors=priors, least=least)
         start = first if preparation == group.preparation else wls(problem.changed(preparation=preparation))
         values, spacing = start.solution.values, self.spacing
         interval = max(float(np.median(np.diff(data.time))) for data in moving)

@@ -14,8 +14,7 @@ from exoid.torques import TorqueModel
 from .motion_system import Levels, MotionState, Moving, System
 from .trajectory import Trajectory, eliminate
 
-SETTLED = 1e-3
-"""Converged when no parameter moves by more than this part of its standard deviation, and no noise level by more."""
+SETTLED = 1e-3  # parameters move by less than this part of their standard deviation, and noise levels by less
 
 
 class MotionFit(NamedTuple):
@@ -41,16 +40,16 @@ def fit_motion(
     spacing: float,
     solve: Callable[[RFactor], Solution],
     priors: FloatArray,
-    held: FloatArray,
+    least: Levels,
     settled: float = SETTLED,
 ) -> MotionFit:
     """Minimise Σ (q_t − q(t))² / σ_q² + Σ (τ_t − W(q(t), q̇(t), q̈(t)) β)² / σ_τ² over splines q(t) and β."""
     # The noise levels follow in turn, σ² = Σ residual² / (N − what the fit took away), with that share from the
     # trace of the hat matrix, estimated by random vectors (the same in every round).
-    system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving], held)
+    system = System(model, moving, priors, [Trajectory.on(data.time, spacing) for data in moving], least)
     state = system.begin(values)
     redundancy = max(1, int(np.sum(system.counts())) - sum(c.size for c in state.coefficients) - len(values))
-    levels = system.levels(system.residuals(state), None)
+    levels = system.levels(system.residuals(state))
     for _ in range(30):  # Gauss–Newton steps
         rows = system.linearise(state, levels)
         reduced = [eliminate(trajectory, part) for trajectory, part in zip(system.trajectories, rows, strict=True)]

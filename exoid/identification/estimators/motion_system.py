@@ -18,7 +18,6 @@ from exoid.torques.motion import STEPS
 from .trajectory import WIDTH, BorderedRows, ReducedSystem, Trajectory, eliminate
 
 PROBES = 6  # random vectors with which traces are estimated
-QUIET = 1e-9  # noise below this [rad], or part of the torque, is rounding
 
 
 class LinearisedRows(NamedTuple):
@@ -75,7 +74,7 @@ class System(NamedTuple):
     moving: Sequence[Moving]
     priors: FloatArray
     trajectories: list[Trajectory]
-    held: FloatArray  # noise level of the torque of joints that have none [N·m], NaN for others, (n,)
+    least: Levels  # no noise level is smaller
 
     def begin(self, values: FloatArray) -> MotionState:
         """Splines through the smoothed angles."""
@@ -118,10 +117,8 @@ class System(NamedTuple):
         turns = [(part.free - part.coupling @ step).reshape(-1, len(levels.angle)) for part in reduced]
         before, share = self.squares(state, levels), 1.0
         for _ in range(10):  # halvings
-            there = MotionState(
-                [c + share * turn for c, turn in zip(state.coefficients, turns, strict=True)],
-                state.values + share * step,
-            )
+            turned = [c + share * turn for c, turn in zip(state.coefficients, turns, strict=True)]
+            there = MotionState(turned, state.values + share * step)
             if self.squares(there, levels) <= before * (1.0 + 1e-12):
                 return there, share == 1.0
             share *= 0.5
@@ -133,15 +130,11 @@ class System(NamedTuple):
         pairs = zip(self.residuals(state), levels, strict=True)
         return believed + sum(float(((residual / level) ** 2).sum()) for residual, level in pairs)
 
-    def levels(self, residuals: Residuals, taken: FloatArray | None) -> Levels:
+    def levels(self, residuals: Residuals, taken: FloatArray | float = 0.0) -> Levels:
         """Noise levels, corrected for what the fit has taken away."""
-        taken = np.zeros((2, residuals.angle.shape[1])) if taken is None else taken
-        squares = [(residual**2).sum(axis=0) for residual in residuals]
-        quiet = QUIET * max(float(np.abs(data.tau).max()) for data in self.moving)
-        each = zip(squares, self.counts(), taken, (QUIET, quiet), strict=True)
-        left = ((total / np.maximum(count - lost, 1.0), least) for total, count, lost, least in each)
-        angle, torque = (np.maximum(np.sqrt(square), least) for square, least in left)
-        return Levels(angle, np.where(np.isnan(self.held), torque, self.held))
+        freedom = np.maximum(np.array(self.counts()) - taken, 1.0)
+        sizes = [np.sqrt((x**2).sum(axis=0) / count) for x, count in zip(residuals, freedom, strict=True)]
+        return Levels(*map(np.maximum, sizes, self.least))
 
     def counts(self) -> tuple[FloatArray, FloatArray]:
         """Angles and usable torques of each joint."""
@@ -168,10 +161,10 @@ class System(NamedTuple):
 
     def criterion(self, residuals: Residuals, levels: Levels) -> float:
         """See :attr:`MotionFit.criterion`; σ² = Σ residual² / (N (1 − t)), and of t only this is needed."""
-        total, measured = 0.0, np.isnan(self.held)
-        for residual, level, count, seen in zip(residuals, levels, self.counts(), (True, measured), strict=True):
-            mean = np.maximum((residual**2).sum(axis=0) / np.maximum(count, 1.0), np.finfo(float).tiny)
-            total += float((count * (4.0 * np.log(level) - np.log(mean)) * seen).sum())
+        total = 0.0
+        for residual, level, count, least in zip(residuals, levels, self.counts(), self.least, strict=True):
+            mean = np.maximum((residual**2).sum(axis=0) / np.maximum(count, 1.0), np.square(least))
+            total += float((count * (4.0 * np.log(level) - np.log(mean))).sum())
         return total
 
     def taken(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
@@ -166,7 +165,7 @@ class GroundRun:
             base=imu,
             wrenches=measured,
             contacts=contacts,
-            largest_angle=math.inf,
+            largest_angle=np.inf,
         )
 
     def wrench(self, link: str, *, world: bool = False) -> Wrench:
