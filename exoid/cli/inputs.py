@@ -81,11 +81,8 @@ def _from_file(name: str, options: LogOptions, joints: Sequence[str] | None) -> 
     plates = values_by_name(options.plate, "--plate", str, "PLATE=LINK, e.g. --plate 1=right_foot")
     if options.forces is not None and not plates:
         known = ", ".join(exoid.signals.read_opensim_forces(options.forces).wrenches)
-        raise BadArgumentError(
-            "nobody says which link stands on which plate",
-            where=options.forces,
-            remedy=f"give --plate PLATE=LINK; its plates are {known}",
-        )
+        remedy = f"give --plate PLATE=LINK; its plates are {known}"
+        raise BadArgumentError("nobody says which link stands on which plate", where=options.forces, remedy=remedy)
     recording = exoid.signals.read_opensim(
         *(name, columns or None),
         joint_names=joints,
@@ -150,12 +147,14 @@ def _wrench_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
 
 
 def given_terms(text: str | None) -> tuple[Term, ...] | None:
-    """Turn "coulomb,viscous" into terms, "none" into no terms; None stays None, for the default."""
-    from exoid.torques.catalog import TERMS  # noqa: PLC0415
+    """Turn "coulomb,viscous" into terms, as the default has them; "none" into no terms; None stays None."""
+    from exoid.torques.catalog import DEFAULT_TERMS, TERMS  # noqa: PLC0415
 
     if text is None:
         return None
-    return () if text.strip() == "none" else tuple(TERMS.default(name.strip()) for name in text.split(","))
+    usual = {type(term): term for term in DEFAULT_TERMS}
+    named = [] if text.strip() == "none" else [TERMS.default(name.strip()) for name in text.split(",")]
+    return tuple(usual.get(type(term), term) for term in named)
 
 
 def read_drives(options: LogOptions, leg: Leg) -> Actuators | None:

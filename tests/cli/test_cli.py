@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import exoid
-from exoid import Coulomb, Estimate, Recording, Stiffness
+from exoid import Estimate, Recording, Stiffness
+from exoid.torques import DEFAULT_TERMS
 
 TRAIN, TEST = "bleex_swing:train", "bleex_swing:test"
 
@@ -47,8 +48,9 @@ def test_json_is_all_there_is_on_standard_output_and_equals_the_api(exoid_, esti
     ("words", "settings"),
     [
         ("--terms none", {"terms": ()}),
-        ("--terms coulomb", {"terms": (Coulomb(),)}),
-        ("--terms stiffness,coulomb", {"terms": (Stiffness(), Coulomb())}),
+        ("--terms coulomb", {"terms": DEFAULT_TERMS[:1]}),
+        ("--terms stiffness,coulomb", {"terms": (Stiffness(), DEFAULT_TERMS[0])}),
+        ("--terms coulomb,viscous,armature,offset", {"terms": DEFAULT_TERMS}),
         ("--estimator ols --cutoff 5", {"estimator": "ols", "cutoff": 5.0}),
         (TEST, {}),
     ],

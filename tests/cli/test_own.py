@@ -43,7 +43,7 @@ def test_json_equals_the_api(exoid_, logs):
     together = exoid.identify(
         exoid.load_leg("bleex"),
         {log[:-4]: Recording.from_csv(log) for log in logs},
-        (exoid.Coulomb(), exoid.Offset()),
+        (exoid.torques.DEFAULT_TERMS[0], exoid.Offset()),
         own=("offset", "c0_hip"),
         check=False,
     )

@@ -78,18 +78,17 @@ def test_a_spring_that_the_log_hardly_tells_from_the_foot_stays(log):
 
 
 @functools.cache
-def log_by_encoders(counts):
+def log_by_encoders():
     """Log of the same machine by encoders, with noise of its torques."""
-    sensors = Sensors(counts, torque_noise=(0.3, 0.2, 0.0))
+    sensors = Sensors(2.0**16, torque_noise=(0.3, 0.2, 0.0))
     run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 20.0, log_rate=RATE, seed=1000, sensors=sensors)
     return replace(run.recording, v=None, passive=("left_ankle",))
 
 
 @pytest.mark.parametrize("estimator", ["huber", "ml", "wls"])
-@pytest.mark.parametrize("counts", [np.inf, 2.0**16])
-def test_no_estimator_makes_nothing_of_a_passive_foot(estimator, counts):
+def test_no_estimator_makes_nothing_of_a_passive_foot(estimator):
     """Its rows say zero: without a foot they fit best, and weights by their residuals led there."""
-    found = exoid.identify(LEG, log_by_encoders(counts), TERMS, estimator=estimator, check=False)
+    found = exoid.identify(LEG, log_by_encoders(), TERMS, estimator=estimator, check=False)
     truth = dict(zip(LEG.parameter_names, LEG.parameters, strict=True)) | {"b1_ankle": 20.0, "d_ankle": 1.5}
     for name in ("X3", "Y3", "J3", "b1_ankle", "d_ankle"):
         assert found[name].value == pytest.approx(truth[name], rel=0.3), name
