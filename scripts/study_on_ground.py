@@ -339,16 +339,16 @@ def pulled(
 
 
 def planned_torque(plant: GroundPlant, function: Function, pull: FloatArray, lean: float = 0.0) -> FloatArray:
-    """Torque that a function takes with the truth, on planned contacts and shares, under a planned pull, (K, n)."""
+    """Torque [N·m] that a function takes with the truth, on planned contacts and shares, under a pull, (K, n)."""
     loop = LawLoop(stance(plant, plant.soles), lean=lean)
     pose = np.column_stack([joint_angles(plant.leg, function.flexion), function.torso[:, 2]])
     curve, planned, out = scipy.interpolate.CubicSpline(PHASE, pose), dict[str, FloatArray](), []
     for link in plant.soles:  # shares as the coordinator's, in the time after a touch-down and before a lift-off
         on = np.array([contact_name(plant.leg, link) in function.expected(p) for p in PHASE])
-        away = scipy.ndimage.distance_transform_edt(np.tile(on, 3) if function.cyclic else on)
-        steps = 200.0 * TRANSFER / function.duration
-        share = np.ones(len(on)) if on.all() else minimum_jerk(away / steps)
-        planned[link] = share[len(on) : 2 * len(on)] if function.cyclic and not on.all() else share
+        wide = np.pad(on, len(on), mode="wrap" if function.cyclic else "edge")
+        away = np.inf if on.all() else scipy.ndimage.distance_transform_edt(wide)[len(on) : -len(on)]
+        seconds = (away + 0.0 * on) / (len(PHASE) - 1) * function.duration
+        planned[link] = minimum_jerk(seconds / TRANSFER)
     for k, p in enumerate(PHASE):
         x, v, a = (curve(p, order) / function.duration**order for order in range(3))
         target = GroundTarget(x[:-1], v[:-1], a[:-1], x[-1], v[-1], a[-1])

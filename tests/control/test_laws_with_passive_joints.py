@@ -1,6 +1,5 @@
 """Joints without an actuator: an estimate knows them, and no law counts on a torque that nothing makes."""
 
-import functools
 from dataclasses import replace
 
 import numpy as np
@@ -77,7 +76,7 @@ def test_a_spring_that_the_log_hardly_tells_from_the_foot_stays(log):
     control.computed_torque(model, 100.0, 20.0, rate=RATE)
 
 
-@functools.cache
+@pytest.fixture(scope="module")
 def log_by_encoders():
     """Log of the same machine by encoders, with noise of its torques."""
     sensors = Sensors(2.0**16, torque_noise=(0.3, 0.2, 0.0))
@@ -86,9 +85,9 @@ def log_by_encoders():
 
 
 @pytest.mark.parametrize("estimator", ["huber", "ml", "wls"])
-def test_no_estimator_makes_nothing_of_a_passive_foot(estimator):
+def test_no_estimator_makes_nothing_of_a_passive_foot(estimator, log_by_encoders):
     """Its rows say zero: without a foot they fit best, and weights by their residuals led there."""
-    found = exoid.identify(LEG, log_by_encoders(), TERMS, estimator=estimator, check=False)
+    found = exoid.identify(LEG, log_by_encoders, TERMS, estimator=estimator, check=False)
     truth = dict(zip(LEG.parameter_names, LEG.parameters, strict=True)) | {"b1_ankle": 20.0, "d_ankle": 1.5}
     for name in ("X3", "Y3", "J3", "b1_ankle", "d_ankle"):
         assert found[name].value == pytest.approx(truth[name], rel=0.3), name
