@@ -1,12 +1,14 @@
 """Are machines with closed loops identified? A four-bar knee and an ankle on two rods in MuJoCo; see docs/loops.md.
 
     python scripts/study_loops.py --seeds 8      # seeds from 1000, about 7 minutes on one core
+    python scripts/study_loops.py --machine ankle --motions 4  # identified from two minutes
     python scripts/study_loops.py --first 1007 --noises 40   # one machine with other noise
 
 Each seed draws other proportions and masses. MuJoCo closes the loops by `connect`, and knows nothing of exoid's
 elimination. Only the motors are logged: angle (17 bits) and torque (noise of 1 % of its root mean square). Training:
-two motions of 30 s. Test: another one. An error as torque is that of one parameter, over the size with which it would
-explain all torque of a joint. The torque is compared with that of the true parameters, so that 1 is the noise.
+two motions of 30 s (`--motions`). Test: another one. An error as torque is that of one parameter, over the size with
+which it would explain all torque of a joint. The torque is compared with that of the true parameters, so that 1 is the
+noise. The standard error of coverage is that between machines.
 """
 
 from __future__ import annotations
@@ -100,13 +102,13 @@ def again(name: str, seed: int, folder: Path, count: int) -> dict[str, np.ndarra
     }
 
 
-def measure(name: str, seed: int, folder: Path) -> dict[str, float]:
-    """Identify one machine."""
+def measure(name: str, seed: int, folder: Path, motions: int) -> dict[str, float]:
+    """Identify one machine from so many motions."""
     machine = MACHINES[name](seed)
     leg = machine.leg(folder)
     rng = np.random.default_rng(seed)
-    first, second, test = (record(machine, leg, rng) for _ in range(3))
-    estimate = exoid.identify(leg, [first, second], terms=[exoid.Viscous()])
+    *logs, test = (record(machine, leg, rng) for _ in range(motions + 1))
+    estimate = exoid.identify(leg, logs, terms=[exoid.Viscous()])
     truth = np.array([*leg.parameters, *[DAMPING] * 2])
     error = np.abs(estimate.values - truth)
     known = estimate.std < 0.01 * np.abs(truth)
@@ -119,7 +121,7 @@ def measure(name: str, seed: int, folder: Path) -> dict[str, float]:
         "effect": (error / estimate.parameter_scale).max(),
         "inside": ((low <= truth) & (truth <= high)).sum(),
         "torque": np.max(exoid.validate(estimate, test).rmse / exoid.validate(perfect, test).rmse),
-        "named": named(leg, first),
+        "named": named(leg, logs[0]),
     }
 
 
@@ -204,10 +206,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--first", type=int, default=1000)
+    parser.add_argument("--motions", type=int, default=2, help="of 30 s each, to identify a machine from")
     parser.add_argument("--noises", type=int, default=0, help="identify the first machine again, with so many noises")
+    parser.add_argument("--machine", default="", help="only machines whose name has this text")
     arguments = parser.parse_args()
+    machines = [name for name in MACHINES if arguments.machine in name]
     with tempfile.TemporaryDirectory() as folder:
-        for name in MACHINES if arguments.noises else ():
+        for name in machines if arguments.noises else ():
             one = again(name, arguments.first, Path(folder), arguments.noises)
             size, inside = int(one["count"]), one["inside"]
             print(f"{name}, seed {arguments.first} with {arguments.noises} noises")
@@ -216,19 +221,21 @@ def main() -> None:
             print(f"  widest axis of the correlations, of {size}      {one['axis'].mean():.1f}")
             print(f"  error along it, RMS [standard deviations]    {np.sqrt(np.mean(one['along'] ** 2)):.2f}")
             print(f"  largest error without noise [likewise]       {one['exact'].max():.2f}", flush=True)
-        for name in () if arguments.noises else MACHINES:
+        for name in () if arguments.noises else machines:
             found = []
             for seed in range(arguments.first, arguments.first + arguments.seeds):
-                found.append(measure(name, seed, Path(folder)))
+                found.append(measure(name, seed, Path(folder), arguments.motions))
                 print(seed, {key: f"{x:.4g}" for key, x in found[-1].items()}, file=sys.stderr)
             total = {key: sum(one[key] for one in found) for key in ("parameters", "known", "inside")}
             worst = {key: max(one[key] for one in found) for key in ("worst", "effect", "torque")}
+            shares = [one["inside"] / one["parameters"] for one in found]
+            error = np.std(shares, ddof=1) / np.sqrt(len(shares))  # parameters of one machine hold or miss together
             ours, loop, dynamics = speed(name, Path(folder))
-            print(f"{name}, {arguments.seeds} seeds from {arguments.first}")
+            print(f"{name}, {arguments.seeds} seeds from {arguments.first}, {arguments.motions} motions each")
             print(f"  parameters known to 1 % (std)         {total['known']} of {total['parameters']}")
             print(f"  largest error of these                {worst['worst']:.1%}")
             print(f"  largest error over all, as torque     {worst['effect']:.1%}")
-            print(f"  truth within 95 % intervals           {total['inside'] / total['parameters']:.1%}")
+            print(f"  within 95 % intervals, std. error     {total['inside'] / total['parameters']:.1%} ± {error:.1%}")
             print(f"  torque of another motion, rms / truth {worst['torque']:.3f} at most")
             print(f"  gap named where 5 mm are wrong [mm]   {min(one['named'] for one in found):.1f} at least")
             print(f"  µs a sample: exoid, loop, dynamics    {ours:.1f}, {loop:.1f}, {dynamics:.1f}")

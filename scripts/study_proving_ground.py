@@ -14,15 +14,15 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from proving_ground.machine import draw
-from proving_ground.population import MISTAKES, Outcome, best_for_all, forms, population
+from proving_ground.machine import Machine, draw
+from proving_ground.population import ESTIMATORS, MISTAKES, Outcome, best_for_all, forms, population
 
 REPORTED = 1000
 """First seed whose figures are reported: nothing is tuned on it."""
@@ -92,7 +92,7 @@ def doctor(outcomes: Sequence[Outcome]) -> str:
             unseen
         )
         rows += [(mistake, text)] * bool(named)
-    judged = [o for o in outcomes if "checked" in o.nrmse]
+    judged = [o for o in outcomes if "checked, wls" in o.nrmse]
     for severity in ("error", "warning"):
         false = [o for o in judged if severity in {s for s, _ in o.false}]
         kinds = Counter(kind for o in judged for s, kind in o.false if s == severity)
@@ -102,23 +102,28 @@ def doctor(outcomes: Sequence[Outcome]) -> str:
 
 
 def coverage(outcomes: Sequence[Outcome]) -> str:
-    """Share of the 95 % intervals of the rigid bodies that contain the truth, by kind of machine."""
-    groups = {
-        "all": lambda o: True,
-        "with a passive joint": lambda o: any(j.passive for j in o.machine.joints),
-        "with elastic joints": lambda o: any(j.spring for j in o.machine.joints),
-        "with a floating base": lambda o: o.machine.floating,
-        "torque by command": lambda o: o.machine.sensing.torque == "command",
-        "coloured noise": lambda o: o.machine.sensing.colour == "coloured",
+    """Share of the 95 % intervals of the rigid bodies that contain the truth, by kind of machine and by estimator."""
+    kinds: dict[str, Callable[[Machine], bool]] = {
+        "all": lambda m: True,
+        "with a passive joint": lambda m: any(j.passive for j in m.joints),
+        "with elastic joints": lambda m: any(j.spring for j in m.joints),
+        "with a floating base": lambda m: m.floating,
+        "torque by command": lambda m: m.sensing.torque == "command",
+        "coloured noise": lambda m: m.sensing.colour == "coloured",
     }
+    groups = [(name, "wls", belongs) for name, belongs in kinds.items()]
+    groups += [
+        (f"{name}, {est}", est, kinds[name]) for est in ESTIMATORS[1:] for name in ("all", "with a passive joint")
+    ]
     rows = []
-    for name, belongs in groups.items():
-        chosen = [o for o in outcomes if belongs(o) and len(o.inside)]
+    for name, estimator, belongs in groups:
+        chosen = [o for o in outcomes if belongs(o.machine) and len(o.inside.get(estimator, ()))]
         if chosen:
-            shares = [np.mean(o.inside) for o in chosen]
-            sure = [np.mean(o.inside[~o.doubtful]) for o in chosen if not o.doubtful.all()]
+            judged = [(o.inside[estimator], ~o.doubtful[estimator]) for o in chosen]
+            shares = [np.mean(held) for held, _ in judged]
+            sure = [np.mean(held[certain]) for held, certain in judged if certain.any()]
             figures = (f"{f(x):.2f}" if x else "" for x in (shares, sure) for f in (np.mean, np.min))
-            rows.append((name, str(len(chosen)), *figures, f"{worst_by_chance([len(o.inside) for o in chosen]):.2f}"))
+            rows.append((name, str(len(chosen)), *figures, f"{worst_by_chance([len(held) for held, _ in judged]):.2f}"))
     headers = (
         "machines",
         "number",
@@ -148,14 +153,14 @@ def to_json(outcome: Outcome) -> str:
     numbers = {
         name: getattr(outcome, name) for name in ("nrmse", "seconds", "false", "true", "named", "shown", "refused")
     }
-    numbers |= {name: getattr(outcome, name).tolist() for name in ("inside", "doubtful")}
+    numbers |= {name: {e: x.tolist() for e, x in getattr(outcome, name).items()} for name in ("inside", "doubtful")}
     return json.dumps({"seed": outcome.machine.seed, **numbers})
 
 
 def from_json(text: str) -> Outcome:
     """Read them."""
     numbers = json.loads(text)
-    numbers |= {name: np.array(numbers[name], dtype=bool) for name in ("inside", "doubtful")}
+    numbers |= {name: {e: np.array(x) for e, x in numbers[name].items()} for name in ("inside", "doubtful")}
     found = {name: [(a, b) for a, b in numbers.pop(name)] for name in ("false", "true")}
     return Outcome(draw(numbers.pop("seed")), **found, **numbers)
 

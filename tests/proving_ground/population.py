@@ -23,6 +23,9 @@ from .simulate import Log, simulate
 TRAINING, TEST = 12.0, 4.0
 """Seconds to learn from, and to be judged on."""
 
+ESTIMATORS = ("wls", "ols", "huber", "ml")
+"""Estimators whose intervals are judged."""
+
 Form = tuple[tuple[Term, ...] | None, str]
 """Terms and estimator of one model for all joints."""
 
@@ -243,8 +246,8 @@ class Outcome:
         machine: The machine.
         nrmse: Mean NRMSE of the driven joints on the motion to be judged on, without errors of sensors, by model.
         seconds: Processor time by what was done [s].
-        inside: Which 95 % intervals of the rigid bodies contain the truth.
-        doubtful: Which of these parameters a warning or error makes doubtful.
+        inside: Which 95 % intervals of the rigid bodies contain the truth, by estimator.
+        doubtful: Which of these parameters a warning or error makes doubtful, likewise.
         false: Findings of the log that nothing in the machine explains, as (severity, kind).
         true: Findings that the machine explains.
         named: Whether each mistake is named with the right joint.
@@ -255,8 +258,8 @@ class Outcome:
     machine: Machine
     nrmse: dict[str, float] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
-    inside: Array = field(default_factory=lambda: np.zeros(0))
-    doubtful: Array = field(default_factory=lambda: np.zeros(0))
+    inside: dict[str, Array] = field(default_factory=dict)
+    doubtful: dict[str, Array] = field(default_factory=dict)
     false: list[tuple[str, str]] = field(default_factory=list)
     true: list[tuple[str, str]] = field(default_factory=list)
     named: dict[str, bool] = field(default_factory=dict)
@@ -286,7 +289,8 @@ def attend(
         for name, form in {**forms(), "true form": (machine.terms(), "wls")}.items():
             fits[name] = partial(exoid.identify, leg, training.recording, *form, check=False)
     if "check" in features:
-        fits["checked"] = partial(exoid.identify, leg, training.recording)
+        for name in ESTIMATORS:
+            fits[f"checked, {name}"] = partial(exoid.identify, leg, training.recording, estimator=name)
     if "select" in features:
         fits["joint by joint"] = lambda: select_terms(leg, training.recording).estimate
         true = machine.leg(believed=False)
@@ -299,13 +303,19 @@ def attend(
         estimate = _attempt(outcome, name, fit)
         if estimate is not None:
             outcome.nrmse[name] = error(machine, estimate, test)
-            if name == "checked":
-                outcome.inside = inside(machine, estimate)
-                doubtful = {name for one in estimate.findings if one.severity != "info" for name in one.parameters}
-                rigid = [name for name in estimate.names if name in leg.parameter_names]
-                outcome.doubtful = np.array([name in doubtful for name in rigid])
-                judge(outcome, estimate.findings)
+            if name.startswith("checked"):
+                _cover(outcome, name.removeprefix("checked, "), estimate)
     return outcome
+
+
+def _cover(outcome: Outcome, estimator: str, estimate: exoid.Estimate) -> None:
+    """Note which intervals contain the truth, and which parameters are doubtful; findings are judged once."""
+    if estimator == ESTIMATORS[0]:
+        judge(outcome, estimate.findings)
+    outcome.inside[estimator] = inside(outcome.machine, estimate)
+    doubtful = {name for one in estimate.findings if one.severity != "info" for name in one.parameters}
+    rigid = [name for name in estimate.names if name in estimate.leg.parameter_names]
+    outcome.doubtful[estimator] = np.array([name in doubtful for name in rigid])
 
 
 def error(machine: Machine, estimate: exoid.Estimate, test: Log) -> float:
