@@ -343,7 +343,7 @@ def geared(lag: Callable[[FloatArray, float], FloatArray]) -> Callable[..., Log]
         one = log.recordings[0]
         label = log.leg.joint_labels[1]
         v = np.gradient(one.q[:, 1]) * RATE
-        friction = log.truth[f"c0_{label}"] * np.tanh(v / exoid.Coulomb().smoothing) + log.truth[f"d_{label}"] * v
+        friction = log.truth[f"c0_{label}"] * np.tanh(v / 0.02) + log.truth[f"d_{label}"] * v
         load = scipy.ndimage.gaussian_filter1d(one.tau[:, 1] - friction, 0.03 * RATE)  # without noise
         q = np.array(one.q)
         q[:, 1] += lag(load / np.std(load), size)

@@ -297,7 +297,7 @@ def standing() -> tuple[Any, list[exoid.Recording]]:
 def _() -> Any:  # noqa: ANN401
     exo, terms = (
         exoid.load_exo("bleex", base="floating"),
-        (exoid.Coulomb(smoothing=0.02), exoid.Viscous(), exoid.Armature()),
+        (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous(), exoid.Armature()),
     )
     _, logs = standing()
     found = exoid.identify(exo, logs, terms=terms)

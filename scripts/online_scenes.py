@@ -28,7 +28,7 @@ SETTLING = 1.0
 """Time from which on readings count [s]."""
 STEP = 1e-3
 """Longest step of the rig [s]."""
-TERMS = (exoid.Coulomb(), exoid.Viscous())
+TERMS = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous())
 THREE = {"c0_hip": 2.0, "c0_knee": 1.5, "c0_ankle": 0.8, "d_hip": 0.5, "d_knee": 0.3, "d_ankle": 0.2}
 TWO = {"c0_hip": 1.5, "c0_knee": 1.0, "d_hip": 0.3, "d_knee": 0.2}
 STIFF = (np.array([[600.0], [400.0], [150.0]]), np.array([[25.0], [15.0], [4.0]]))

@@ -69,7 +69,7 @@ class Boundary(NamedTuple):
 
 def model_of(name: str) -> tuple[TorqueModel, FloatArray]:
     """Make the leg with friction, and its parameters."""
-    model = TorqueModel(exoid.load_leg(name), (Coulomb(), Viscous()))
+    model = TorqueModel(exoid.load_leg(name), (Coulomb(smoothing=0.02, reversal_speed=0.0), Viscous()))
     values = dict(zip(model.leg.parameter_names, model.leg.parameters.tolist(), strict=True)) | TERMS[name]
     return model, np.array([values[each] for each in model.names])
 

@@ -117,7 +117,7 @@ def _estimate(leg, rng):  # noqa: ANN001, ANN202
     tau = leg.inverse_dynamics(q, v, a) + 1.0 * np.tanh(v / 0.02) + 0.2 * v + 0.1 * a
     tau = tau + 0.8 * rng.standard_normal(tau.shape)
     noisy = q + 1e-4 * rng.standard_normal(q.shape)
-    terms = (Coulomb(smoothing=0.02), Viscous(), Armature())
+    terms = (Coulomb(smoothing=0.02, reversal_speed=0.0), Viscous(), Armature())
     return identify(leg, Recording(time=t, q=noisy, tau=tau, joint_names=leg.joint_names), terms, check=False)
 
 

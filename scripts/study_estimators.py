@@ -40,7 +40,7 @@ COULOMB, VISCOUS = np.array([1.6, 1.2, 0.8]), np.array([1.0, 0.6, 0.4])
 SMOOTHING = 0.02
 STIFFNESS, DAMPING = np.array([600.0, 300.0, 60.0]), np.array([60.0, 30.0, 6.0])
 """Assumed gains [N·m/rad, N·m·s/rad]."""
-TERMS = (exoid.Coulomb(smoothing=SMOOTHING), exoid.Viscous())
+TERMS = (exoid.Coulomb(smoothing=SMOOTHING, reversal_speed=0.0), exoid.Viscous())
 STICKING_TERMS = (exoid.Coulomb(smoothing=0.0, dead_band=0.05), exoid.Viscous())
 SETTINGS: Mapping[str, tuple[float, int]] = {
     "1e-4 rad, 500 Hz": (1e-4, 1),

@@ -73,7 +73,7 @@ def corrupted(leg: str, which: int, size: float, seed: int) -> Outcome | None:
 def disturbed(leg: str, which: int, size: float, seed: int) -> Coverage:
     """Identify from a disturbed log, and count which intervals contain the truth."""
     disturbance, rng = DISTURBANCES[which], np.random.default_rng([seed, which])
-    log = clean_log(leg, 1000 + seed, sharpness=exoid.Coulomb().smoothing)
+    log = clean_log(leg, 1000 + seed, sharpness=0.02)
     bad = disturbance.apply(log, size, rng)
     try:
         estimate = exoid.identify(bad.leg, bad.recordings)

@@ -52,8 +52,8 @@ KINDS = (*COLOURED, "speed2", "speed", "gain", "force", "common")
 GAIN, FORCE, FOOT = 0.03, 10.0, 0.1
 """Standard deviation of a gain that wanders, and of a force [N] on the foot, so far below the ankle [m]."""
 PREPARATIONS = {"exact": FiniteDifference(), "zero-phase": ZeroPhase()}
-SHARP = (exoid.Coulomb(smoothing=0.0), exoid.Viscous())
-SMOOTH = (exoid.Coulomb(), exoid.Viscous())
+SHARP = (exoid.Coulomb(smoothing=0.0, reversal_speed=0.0), exoid.Viscous())
+SMOOTH = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous())
 FRICTION = np.array([0.8, 0.6, 0.4, 0.5, 0.3, 0.2])
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 

@@ -26,7 +26,7 @@ from exoid.errors import NotIdentifiableError
 from exoid.online import RecursiveEstimator, load_change
 
 RATE = 100.0
-TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
+TERMS = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous(), exoid.Offset())
 STRIDES = (0.5, 0.507, 1.2, 4.0, 10.0, 12.0)  # 0.5 s are exactly 50 samples, each stride the same ones
 FAULTS = ("torque-scale", "angle-offset", "torque-delay")
 PLACE = (0.0, 0.0, -0.2)

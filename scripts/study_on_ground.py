@@ -97,7 +97,7 @@ from exoid.torques.model import TorqueModel
 from exoid.torques.payloads import payload_parameters
 
 RATES = Rates(control=500.0, log=500.0, step=5e-4)
-TERMS = (exoid.Coulomb(smoothing=0.02), exoid.Viscous(), exoid.Armature())
+TERMS = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous(), exoid.Armature())
 ONE_FOOT = ground.Stance(squat=0.03, shift=0.01, bow=0.05, swing=0.22)
 CUHK_FRICTION = {"c0": (1.445, 0.593), "d": (0.038, 0.192), "Ia": (0.8, 0.8)}
 SENSORS = GroundSensors(angle_noise=3e-5)  # encoders of 65 536 counts

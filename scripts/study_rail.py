@@ -27,7 +27,7 @@ RATE, STEP = 500.0, 2e-4  # of the log [Hz], and step of the simulation [s]
 RADIUS = 2e-4  # of the sphere that touches the ground [m]: a point
 PRESSED = 3.0  # force that closes the switch [N]
 TORQUE, FORCE, ENCODER, SCALE = 0.01, 0.01, 2.0 * np.pi / 2**17 / np.sqrt(12.0), 5e-5
-TERMS = (exoid.Coulomb(), exoid.Viscous(), exoid.Armature(joints=("hip", "knee")))
+TERMS = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous(), exoid.Armature(joints=("hip", "knee")))
 
 URDF = """<robot name="hopper"><link name="base">{base}</link><link name="thigh">{thigh}</link>
 <link name="shank">{shank}</link><link name="foot"/>

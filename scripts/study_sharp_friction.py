@@ -190,7 +190,7 @@ def main() -> None:
     case = Case(given.leg, given.seconds, given.rate, given.stiffness, given.torque_noise, given.angle_noise)
     terms: tuple[exoid.Term, ...] | None = None
     if given.width is not None:
-        terms = (exoid.Coulomb(smoothing=given.width), *exoid.torques.DEFAULT_TERMS[1:])
+        terms = (exoid.Coulomb(smoothing=given.width, reversal_speed=0.0), *exoid.torques.DEFAULT_TERMS[1:])
     seeds = range(given.first_seed, given.first_seed + given.motions)
     study(case, seeds, terms, given.estimator, given.workers)
 

@@ -27,7 +27,7 @@ from exoid._typing import FloatArray
 from exoid.signals import ZeroPhase
 from exoid.signals.filters.low_pass import edge_length
 
-TERMS = (exoid.Coulomb(), exoid.Viscous())
+TERMS = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous())
 FRICTION = np.array([0.8, 0.6, 0.4, 0.5, 0.3, 0.2])
 SMOOTHING = 0.02
 NOISE = np.array([0.3, 0.2, 0.1])

@@ -24,7 +24,7 @@ RATES = Rates(control=500.0, log=500.0, step=1e-3)
 HELD = 0.5 / RATES.control
 """Lag of logged torques behind angles [s]: the rig logs the torque of the interval before each sample."""
 
-DRY = Coulomb(smoothing=0.015, reversal_speed=0.03)
+DRY = Coulomb()
 """Coulomb friction as in the default terms."""
 
 STRIDE = 2.4

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from swings import SMOOTHING, Swing, coloured
+from swings import SMOOTH, SMOOTHING, Swing, coloured
 
 from exoid import Leg, Recording
-from exoid.torques import Coulomb, Offset, TorqueModel, Viscous
+from exoid.torques import Offset, TorqueModel, Viscous
 
-TERMS = (Coulomb(), Viscous(), Offset())
+TERMS = (SMOOTH, Viscous(), Offset())
 """What acts on the joints."""
 
 

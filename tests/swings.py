@@ -10,10 +10,13 @@ from exoid import Coulomb, Leg, Recording, Viscous
 from exoid.signals import Kinematics, ZeroPhase, zero_phase
 from exoid.signals.differentiation import difference
 
-TERMS = (Coulomb(), Viscous())
-"""What acts on the joints of every :class:`Swing`."""
-
 SMOOTHING = 0.02
+
+SMOOTH = Coulomb(smoothing=SMOOTHING, reversal_speed=0.0)
+"""Friction that is a function of velocity throughout."""
+
+TERMS = (SMOOTH, Viscous())
+"""What acts on the joints of every :class:`Swing`."""
 
 
 def harmonics(time, size, omega, phase):

@@ -12,7 +12,7 @@ from exoid.errors import BadArgumentError
 from exoid.leg.leg import Leg
 from exoid.tools.numbers import checked
 from exoid.torques import CouplingFriction, CouplingInertia, Term
-from exoid.torques.catalog import USUAL
+from exoid.torques.terms import REVERSAL, SMOOTHING
 
 from .drive import joints_of
 
@@ -135,7 +135,7 @@ def motor_terms(coupling: Coupling) -> tuple[Term, ...]:
         >>> TorqueModel(exoid.load_leg("cuhk"), motor_terms(wrist)).names[6:]
         ('c0_hip_motor', 'd_hip_motor', 'c0_knee_motor', 'd_knee_motor', 'Ia_hip_motor')
     """
-    smoothing, reversal_speed = coupling.ratio * USUAL.smoothing, coupling.ratio * USUAL.reversal_speed
+    smoothing, reversal_speed = coupling.ratio * SMOOTHING, coupling.ratio * REVERSAL
     frictions, rotors = list[Term](), list[Term]()
     for motor, row in zip(coupling.joints, coupling.inverse, strict=True):
         moved = np.flatnonzero(np.abs(row) > 1e-12 * np.abs(row).max()).tolist()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exoid._typing import FloatArray
-from exoid.torques.terms import SMOOTHING
+from exoid.torques.terms import SIGN_WIDTH
 
 from .drive import Drive, UnknownConstant, check_constant, refuse_beyond
 
@@ -123,5 +123,5 @@ class Motor(Drive):
     def _gear_factor(self, direction: FloatArray, v: FloatArray) -> FloatArray:
         """η where the motor drives, 1 / η_back where it is driven, between both near standstill."""
         driving, driven = self.gear_factors
-        power = np.tanh(np.sign(direction) * v / SMOOTHING)
+        power = np.tanh(np.sign(direction) * v / SIGN_WIDTH)
         return np.asarray(0.5 * (driving + driven) + 0.5 * (driving - driven) * power)

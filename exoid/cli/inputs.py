@@ -147,14 +147,12 @@ def _wrench_frames(texts: Sequence[str] | None) -> dict[str, WrenchFrame]:
 
 
 def given_terms(text: str | None) -> tuple[Term, ...] | None:
-    """Turn "coulomb,viscous" into terms, as the default has them; "none" into no terms; None stays None."""
-    from exoid.torques.catalog import DEFAULT_TERMS, TERMS  # noqa: PLC0415
+    """Turn "coulomb,viscous" into terms; "none" into no terms; None stays None."""
+    from exoid.torques.catalog import TERMS  # noqa: PLC0415
 
     if text is None:
         return None
-    usual = {type(term): term for term in DEFAULT_TERMS}
-    named = [] if text.strip() == "none" else [TERMS.default(name.strip()) for name in text.split(",")]
-    return tuple(usual.get(type(term), term) for term in named)
+    return () if text.strip() == "none" else tuple(TERMS.default(name.strip()) for name in text.split(","))
 
 
 def read_drives(options: LogOptions, leg: Leg) -> Actuators | None:

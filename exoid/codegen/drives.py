@@ -5,7 +5,7 @@ from __future__ import annotations
 from exoid.actuators import Actuators, Attachments, Drive, LinearActuator, Motor, SeriesElastic
 from exoid.actuators.attachments import SHORTEST, SquaredLength
 from exoid.errors import ExoidError, NotSupportedError
-from exoid.torques.terms import SMOOTHING
+from exoid.torques.terms import SIGN_WIDTH
 
 from .dialect import ABSURD, Dialect
 
@@ -46,7 +46,7 @@ def _command(drive: Drive, tau: str, q: str, v: str, dialect: Dialect) -> str:
             mean, half = number(0.5 * (driving + driven)), number(0.5 * (driving - driven))
             sign = f"{dialect.function('copysign')}({number(1.0)}, {tau})"
             known = f"within({v}, {number(ABSURD)})"  # a safe torque is made also while the velocity is unknown
-            current += f" / ({mean} + {half} * {dialect.function('tanh')}({sign} * {known} / {number(SMOOTHING)}))"
+            current += f" / ({mean} + {half} * {dialect.function('tanh')}({sign} * {known} / {number(SIGN_WIDTH)}))"
         return _limited(current, drive.max_current, dialect)
     if isinstance(drive, SeriesElastic):
         return f"{number(drive.ratio)} * ({q} + {tau} / {number(drive.stiffness)})"

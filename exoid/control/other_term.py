@@ -11,7 +11,7 @@ from exoid._typing import FloatArray
 from exoid.torques import Term
 from exoid.torques.motion import LoadedMotion, random_motion
 from exoid.torques.term import TermBlock
-from exoid.torques.terms import SMOOTHING
+from exoid.torques.terms import SIGN_WIDTH
 
 
 class OtherTerm(NamedTuple):
@@ -34,7 +34,7 @@ class OtherTerm(NamedTuple):
         """Compute the torque of the term."""
         # The distance since the last reversal is unknown, so presliding contacts count as sliding.
         state = self.term.internal_state
-        states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SMOOTHING)}
+        states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SIGN_WIDTH)}
         motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)
         columns = TermBlock(self.term, self.joints, self.term.symbols).columns(motion)
         return np.asarray(np.tensordot(self.values, columns, axes=1))

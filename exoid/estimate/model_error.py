@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError
 from exoid.torques import Motion, Presliding
-from exoid.torques.terms import SMOOTHING
+from exoid.torques.terms import SIGN_WIDTH
 
 LENGTHS = (3e-3, 1e-2, 3e-2)  # presliding lengths [rad]
 STRIBECK = (0.1, 0.3)  # Stribeck velocities, as parts of the largest speed of the training
@@ -69,7 +69,7 @@ class AlternativeFriction:
         if motion.payload is not None:
             load += motion.payload.T
         for j, of_joint in enumerate(np.moveaxis(out, 1, 0)):
-            v, smoothing = motion.v[:, j], SMOOTHING * self.radian[j]
+            v, smoothing = motion.v[:, j], SIGN_WIDTH * self.radian[j]
             sign, slow = np.tanh(v / smoothing), max(self.speed[j], smoothing)
             of_joint[:] = (
                 *(motion.states[j, Presliding(float(self.radian[j]) * x)] for x in LENGTHS),

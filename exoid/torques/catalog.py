@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,12 +18,9 @@ from exoid.tools.registry import Registry
 from .couplings import CouplingFriction, CouplingInertia, CouplingSpring
 from .friction import LoadFriction, Stribeck
 from .term import Term
-from .terms import SMOOTHING, Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
+from .terms import REVERSAL, SMOOTHING, Armature, Coulomb, DryFriction, Offset, Stiffness, Viscous
 
-USUAL = Coulomb(smoothing=0.015, reversal_speed=0.03)
-"""Dry friction in the default terms."""
-
-DEFAULT_TERMS: tuple[Term, ...] = (USUAL, Viscous(), Armature(), Offset())
+DEFAULT_TERMS: tuple[Term, ...] = (Coulomb(), Viscous(), Armature(), Offset())
 """Terms of a leg if the caller gives none. Leaving out an effect that exists costs far more accuracy than including one
 that does not."""
 
@@ -46,8 +44,8 @@ def radians(leg: Leg) -> FloatArray:
 
 def at_slide(term: Term) -> Term:
     """Dry friction of a prismatic joint, at which usual speeds are those of a radian."""
-    usual = {"smoothing": (SMOOTHING, USUAL.smoothing), "reversal_speed": (USUAL.reversal_speed,), "velocity": (0.1,)}
-    found = {name: SLIDE * x for name, known in usual.items() if (x := getattr(term, name, None)) in known}
+    usual = {"smoothing": SMOOTHING, "reversal_speed": REVERSAL, "velocity": Stribeck.velocity}
+    found: dict[str, Any] = {name: SLIDE * x for name, x in usual.items() if getattr(term, name, None) == x}
     return replace(term, **found) if isinstance(term, DryFriction) else term
 
 

@@ -20,7 +20,7 @@ from exoid.tools.numbers import checked
 
 from .motion import JointMotion, LoadedMotion
 from .term import Term
-from .terms import Armature, reversals
+from .terms import REVERSAL, SMOOTHING, Armature, reversals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,8 +118,8 @@ class CouplingFriction(CoordinateTerm):
         ExoidError: A velocity is negative or not finite, or joints or ratios are wrong.
     """
 
-    smoothing: float = 0.02
-    reversal_speed: float = 0.0
+    smoothing: float = SMOOTHING
+    reversal_speed: float = REVERSAL
 
     symbols = ("c0", "d")
     units = ("N·m", "N·m·s/rad")

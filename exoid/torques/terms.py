@@ -15,8 +15,14 @@ from .motion import JointMotion
 from .presliding import Presliding
 from .term import Term
 
-SMOOTHING = 0.02
-"""Usual velocity over which friction, and the efficiency of a drive, change their sign [rad/s]."""
+SMOOTHING = 0.015
+"""Usual velocity over which dry friction changes its sign [rad/s]."""
+
+SIGN_WIDTH = 0.02
+"""Velocity over which the efficiency of a drive, and friction that no term describes, change their sign [rad/s]."""
+
+REVERSAL = 0.03
+"""Usual speed below which a joint that turns round may stick [rad/s]."""
 
 SLOW = 0.05
 """Largest reversal speed over the RMS velocity: slow motion is no reversal."""
@@ -47,7 +53,7 @@ class DryFriction(Term):
             zero there.
         reversal_speed: Speed below which a joint that turns round may stick [rad/s], at most :data:`SLOW` of the RMS
             velocity. A fit behind the parallel filter takes friction there for unknown; a prediction smooths it. 0 for
-            friction that is a function of velocity throughout.
+            friction that is a function of velocity throughout. With presliding it has no effect.
 
     Raises:
         ExoidError: A setting is negative or not finite.
@@ -56,7 +62,7 @@ class DryFriction(Term):
     smoothing: float = SMOOTHING
     presliding: float = 0.0
     dead_band: float = 0.0
-    reversal_speed: float = 0.0
+    reversal_speed: float = REVERSAL
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -93,7 +99,7 @@ class DryFriction(Term):
 
     def reversing(self, v: FloatArray) -> NDArray[np.bool_] | None:
         """Select the samples around reversals: slower than the reversal speed, or at a change of sign."""
-        return reversals(v, self.reversal_speed)
+        return None if self.presliding > 0.0 else reversals(v, self.reversal_speed)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -169,7 +169,7 @@ def test_a_slow_log_of_sticking_joints_does_not_make_the_gravity_of_a_law(seed):
     """Friction of another form looks like two to four times the gravity: 88 to 136 N·m in place of 42."""
     t, pose = np.arange(0.0, 10.0, 0.01), np.array([0.5, -0.8])
     waves = [np.sin(0.31 * t) + 0.4 * np.sin(0.72 * t), 1.2 * np.sin(0.41 * t) + 0.5 * np.sin(0.91 * t + 0.5)]
-    terms = (exoid.Coulomb(), exoid.Viscous(), exoid.Offset())
+    terms = (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), exoid.Viscous(), exoid.Offset())
     source, *_ = identified(0.05 * np.array(waves).T, terms, np.array([3.0, 1.5]), 0.15, seed)
     with pytest.warns(UserWarning, match="X1"):
         law = gravity_support(source)

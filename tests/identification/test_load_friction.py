@@ -123,4 +123,4 @@ def test_friction_of_a_load_that_is_not_there_is_refused_by_name(leg):
     """No rigid body: no gravity, no inertia, nothing that gears would carry."""
     empty = recording_of(leg, torque=lambda leg, q, v, a: 0.5 * np.tanh(v / 0.02))
     with pytest.raises(ExoidError, match="mu_hip, mu_knee left no trace"):
-        identify(leg, empty, (Coulomb(), LoadFriction()), preparation=EXACT)
+        identify(leg, empty, (Coulomb(smoothing=0.02), LoadFriction(smoothing=0.02)), preparation=EXACT)

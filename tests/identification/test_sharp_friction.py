@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from swings import Swing
+from swings import TERMS, Swing
 
 import exoid
 from exoid.torques import DEFAULT_TERMS
@@ -13,8 +13,8 @@ from exoid.torques import DEFAULT_TERMS
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 from study_sharp_friction import JOINT_LIMIT, RIGID_LIMIT, Case, record, scale, truth
 
-SMOOTH = (exoid.Coulomb(), *DEFAULT_TERMS[1:])
-"""The default terms of before: friction is a smooth function of velocity, also at reversals."""
+SMOOTH = (TERMS[0], *DEFAULT_TERMS[1:])
+"""Friction that is a smooth function of velocity, also at reversals."""
 
 CASE = Case(seconds=30.0)
 
@@ -75,7 +75,7 @@ def test_friction_at_reversals_may_be_anything():
     disturbed = swing.recording(tau=swing.torque + np.where(np.abs(v) < 0.01, 2.0, 0.0))
     sharp = (exoid.Coulomb(reversal_speed=0.01), exoid.Viscous())
     changes = []
-    for terms in (sharp, (exoid.Coulomb(), exoid.Viscous())):
+    for terms in (sharp, TERMS):
         one, other = (exoid.identify(leg, log, terms, check=False) for log in (swing.recording(), disturbed))
         changes.append(np.abs(other.values - one.values).max())
     assert changes[0] < 1e-3

@@ -34,7 +34,7 @@ def forms() -> dict[str, Form]:
     """List models for all joints that selection joint by joint is compared with."""
     rest = (exoid.Viscous(), exoid.Armature(), exoid.Offset())
     models: dict[str, Form] = {"default": (None, "wls")}
-    models["reversals kept"] = (Coulomb(), *rest), "wls"
+    models["reversals kept"] = (Coulomb(smoothing=0.02, reversal_speed=0.0), *rest), "wls"
     for length in (5e-5, 2e-4, 1e-3):
         models[f"presliding {1e3 * length:g} mrad"] = (Coulomb(presliding=length), *rest), "wls"
     bent = {"presliding": 2e-4}

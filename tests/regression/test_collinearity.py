@@ -115,7 +115,7 @@ def test_sizes_of_a_calm_exercise_are_smaller_where_a_recording_hardly_excites(l
     assert sizes["offset_hip"] == pytest.approx(np.sqrt(3.0) * rms[0])
     assert sizes["c0_knee"] == pytest.approx(np.sqrt(3.0) * rms[1])
     assert sizes["d_ankle"] == pytest.approx(np.sqrt(3.0) * rms[2], rel=0.01)
-    peak = np.max(np.exp(-((np.linspace(0, 1, 9999) / 0.05) ** 2)) * np.tanh(np.linspace(0, 1, 9999) / 0.02))
+    peak = np.max(np.exp(-((np.linspace(0, 1, 9999) / 0.05) ** 2)) * np.tanh(np.linspace(0, 1, 9999) / 0.015))
     assert sizes["cs_hip"] == pytest.approx(np.sqrt(3.0) * rms[0] / peak, rel=0.05)
     estimate = identify(leg, swing.with_noise(np.random.default_rng(0), 0.3), TERMS, preparation=EXACT)
     inertia = estimate.names.index("J1")

@@ -186,7 +186,7 @@ def test_arguments_that_make_no_sense_are_refused(swing, given):
 
 def test_assumptions_hold_beside_friction_that_makes_the_model_nonlinear(swing):
     """There is no friction under load in truth: what is known stays, and what must not be negative is not."""
-    terms = (*TERMS, LoadFriction())
+    terms = (*TERMS, LoadFriction(smoothing=TERMS[0].smoothing, reversal_speed=0.0))
     known = {"X1": float(swing.leg.parameters[0])}
     est = identify(swing.leg, swing.recording(), terms, known=known, nonnegative=True, preparation=PLAIN)
     assert est.value("X1") == known["X1"]

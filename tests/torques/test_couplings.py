@@ -39,7 +39,7 @@ def torque_of(values, q, v, a) -> np.ndarray:
 
     add(SPRING, values["k_hip_knee"] * coordinate(SPRING, q) + values["preload_hip_knee"])
     rate = coordinate(DRAG, v)
-    add(DRAG, values["c0_knee_hip"] * np.tanh(rate / 0.02) + values["d_knee_hip"] * rate)
+    add(DRAG, values["c0_knee_hip"] * np.tanh(rate / DRAG.smoothing) + values["d_knee_hip"] * rate)
     add(ROTOR, values["Ia_hip_knee_ankle"] * coordinate(ROTOR, a))
     return tau
 
@@ -121,10 +121,10 @@ def control(estimate) -> ControlModel:
 def test_a_controller_compensates_couplings_at_one_sample_and_at_many(estimate, control):
     q, v, a = random_motion(20, 3)
     whole = estimate.torque(q, v, a)
-    found = control.inverse_dynamics(q.T, v.T, a.T) + control.friction(q.T, v.T, 0.02)
+    found = control.inverse_dynamics(q.T, v.T, a.T) + control.friction(q.T, v.T, DRAG.smoothing)
     np.testing.assert_allclose(found.T, whole, atol=1e-9)
     for k in range(3):
-        single = control.inverse_dynamics(q[k], v[k], a[k]) + control.friction(q[k], v[k], 0.02)
+        single = control.inverse_dynamics(q[k], v[k], a[k]) + control.friction(q[k], v[k], DRAG.smoothing)
         np.testing.assert_allclose(single, whole[k], atol=1e-9)
 
 

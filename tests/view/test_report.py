@@ -100,7 +100,7 @@ def test_modelled_and_measured_friction_are_those_of_the_leg(leg):
     noise = 0.01 * np.random.default_rng(3).standard_normal(q.shape)
     tau = leg.inverse_dynamics(q, v, a) + friction + noise
     recording = exoid.Recording(time, q, v, a, tau, joint_names=leg.joint_names)
-    estimate = exoid.identify(leg, recording, (Coulomb(), Viscous()))
+    estimate = exoid.identify(leg, recording, (Coulomb(smoothing=0.02, reversal_speed=0.0), Viscous()))
     found = predict_recording(estimate, recording)
     start = len(time) // 2 - len(found.friction) // 2
     inner = slice(20, -20)  # towards the ends, the filter of rows sees nothing beyond them

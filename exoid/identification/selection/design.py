@@ -15,8 +15,8 @@ from exoid._typing import FloatArray
 from exoid.regression.rows import Prepared, form_rows, prepare
 from exoid.signals import Recording, ZeroPhase
 from exoid.torques import JointMotion, Motion, Presliding, Term, TorqueModel
-from exoid.torques.catalog import USUAL, radians
-from exoid.torques.terms import SLOW
+from exoid.torques.catalog import radians
+from exoid.torques.terms import REVERSAL, SLOW
 
 from .patterns import Column, Columns, scaled
 
@@ -118,5 +118,5 @@ def _rests(prepared: Prepared, unit: FloatArray) -> NDArray[np.bool_]:
     # What holds a joint at rest is anything between -c0 and c0: any form that fits it has learnt noise. That time was
     # chosen by seeds below 100 of the proving ground.
     v, count = prepared.motion.v, max(2, round(0.3 / float(np.median(np.diff(prepared.time)))))
-    slow = np.abs(v) <= np.minimum(USUAL.reversal_speed * unit, SLOW * np.sqrt(np.mean(v**2, axis=0)))
+    slow = np.abs(v) <= np.minimum(REVERSAL * unit, SLOW * np.sqrt(np.mean(v**2, axis=0)))
     return np.asarray(scipy.ndimage.binary_opening(slow, np.ones((count, 1), dtype=np.bool_)))

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.torques import Coulomb, LoadFriction, Offset, Stribeck, Term, Viscous
-from exoid.torques.catalog import SLIDE, USUAL
-from exoid.torques.terms import DryFriction
+from exoid.torques.catalog import SLIDE
+from exoid.torques.terms import SMOOTHING, DryFriction
 
 LOAD = ("mu", "mu_drive", "mu_back")
 DRY = ("c0", *LOAD, "cs")
@@ -32,7 +32,7 @@ class Column(NamedTuple):
     symbol: str  # c0, d, mu, mu_drive, mu_back, cs, or offset
     length: float = 0.0  # presliding length [rad]; 0 for none
     velocity: float = 0.0  # Stribeck velocity [rad/s]; 0 for other friction
-    smoothing: float = USUAL.smoothing  # velocity over which dry friction without presliding changes sign [rad/s]
+    smoothing: float = SMOOTHING  # velocity over which dry friction without presliding changes sign [rad/s]
 
     @property
     def term(self) -> Term:
@@ -48,7 +48,7 @@ class Column(NamedTuple):
         }
         if self.length:
             return replace(kinds[self.symbol], presliding=self.length)
-        return replace(kinds[self.symbol], smoothing=self.smoothing, reversal_speed=USUAL.reversal_speed)
+        return replace(kinds[self.symbol], smoothing=self.smoothing)
 
 
 Columns = tuple[Column, ...]
@@ -90,9 +90,9 @@ class Pattern(NamedTuple):
         load = {"mu"} if {"mu_drive", "mu_back"} <= set(other.symbols) else set()
         return {*self.symbols} <= {*other.symbols, *load} and (other.presliding or not self.presliding)
 
-    def columns(self, length: float, velocity: float, smoothing: float = USUAL.smoothing) -> Columns:
+    def columns(self, length: float, velocity: float, smoothing: float = SMOOTHING) -> Columns:
         """Coefficients at settings."""
-        length, smoothing = (length, USUAL.smoothing) if self.presliding else (0.0, smoothing)
+        length, smoothing = (length, SMOOTHING) if self.presliding else (0.0, smoothing)
         return tuple(
             Column(symbol, length, velocity if symbol == "cs" else 0.0, smoothing) if symbol in DRY else Column(symbol)
             for symbol in self.symbols
@@ -105,7 +105,7 @@ class Grid(NamedTuple):
     # presliding lengths [rad]: those of industrial arms begin at 0.02 mrad
     lengths: tuple[float, ...] = (2e-5, 5e-5, 1.2e-4, 3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 0.01, 0.02)
     velocities: tuple[float, ...] = VELOCITIES  # Stribeck velocities [rad/s]
-    smoothings: tuple[float, ...] = (0.004, 0.008, USUAL.smoothing, 0.03)  # of friction without presliding [rad/s]
+    smoothings: tuple[float, ...] = (0.004, 0.008, SMOOTHING, 0.03)  # of friction without presliding [rad/s]
 
     @property
     def columns(self) -> Columns:
@@ -117,7 +117,7 @@ class Grid(NamedTuple):
         """List a pattern at all settings that it has."""
         dry = bool({*DRY} & {*pattern.symbols})
         lengths = self.lengths if pattern.presliding else (0.0,)
-        smoothings = self.smoothings if dry and not pattern.presliding else (USUAL.smoothing,)
+        smoothings = self.smoothings if dry and not pattern.presliding else (SMOOTHING,)
         velocities = self.velocities if "cs" in pattern.symbols else (0.0,)
         return [
             pattern.columns(length, velocity, smoothing)
@@ -192,7 +192,7 @@ class JointFriction(NamedTuple):
     @property
     def text(self) -> str:
         """A few words, such as "c0, mu_back, presliding 0.65 mrad"."""
-        unit, usual = ("m", SLIDE * USUAL.smoothing) if self.slides else ("rad", USUAL.smoothing)
+        unit, usual = ("m", SLIDE * SMOOTHING) if self.slides else ("rad", SMOOTHING)
         settings = (
             f"presliding {1e3 * self.presliding:.2g} m{unit}" if self.presliding else "",
             f"smoothing {self.smoothing:.2g} {unit}/s" if self.smoothing not in (0.0, usual) else "",

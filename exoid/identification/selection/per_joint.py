@@ -13,7 +13,7 @@ from exoid.identification.gather import model_with
 from exoid.leg.leg import Leg
 from exoid.signals import Recording, without_torque_delay
 from exoid.torques import Armature, Term
-from exoid.torques.catalog import USUAL
+from exoid.torques.terms import REVERSAL
 
 from .design import Design, form_design
 from .held_out import Fold, blocked_folds, fast_blocks, fold_of, rms
@@ -164,7 +164,7 @@ def choose(
         good = pattern.dissipative(c) & sure.all(axis=1)
         best = int(np.argmax(np.where(good, explained, -np.inf)))
         # Stribeck friction that is so slow describes smoothing, or reversals that the fit leaves out
-        slow = ((one.velocity, VELOCITIES[0] if one.length else 1.3 * USUAL.reversal_speed) for one in settings[best])
+        slow = ((one.velocity, VELOCITIES[0] if one.length else 1.3 * REVERSAL) for one in settings[best])
         if not good.any() or any(0.0 < velocity <= least for velocity, least in slow):
             continue
         gain = float(explained[best])

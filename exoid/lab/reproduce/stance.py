@@ -27,7 +27,7 @@ from exoid.torques.contacts.stretches import EDGE
 
 from .stance_logs import WRONG, StanceExtent, StanceRuns, run_stance
 
-TERMS = (Coulomb(smoothing=0.02), Viscous(), Armature())
+TERMS = (Coulomb(smoothing=0.02, reversal_speed=0.0), Viscous(), Armature())
 """Terms of all estimates: those of the rig."""
 
 SIDES = ("left", "right")
