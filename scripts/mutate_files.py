@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -51,6 +52,9 @@ KINDS = (
     "drives.toml",
     "loops.toml",
     "loops.xml",
+    "stride",
+    "start",
+    "metadata",
 )
 MESHES = ("stl", "ply", "obj", "dae", "glb")
 """Kinds that are meshes."""
@@ -105,7 +109,13 @@ def seeds(folder: Path) -> dict[str, bytes]:
     vectors = {f"ground_force_1_{part}{axis}": 100.0 * short.q[:, 0] for part in "vpm" for axis in "xyz"}
     log_writers.write_opensim(folder / "forces.sto", short.time, vectors)
     log_writers.write_bag1(folder / "bag", log_writers.messages(short))
-    estimate.save(folder / "estimate")
+    for kind in ("estimate", "start"):
+        estimate.save(folder / kind)
+    log_writers.write_bag(folder / "bag_folder", {"/joints": log_writers.messages(short)}, plugin=StoragePlugin.MCAP)
+    shutil.copy(folder / "bag_folder" / "metadata.yaml", folder / "metadata")
+    phases = np.arange(0.0, 1.0, 0.1)
+    rows = "".join(f"{x:g},{30 * np.sin(7 * x):.3g},{20 + 20 * np.cos(7 * x):.3g}\n" for x in phases)
+    (folder / "stride").write_text(f"phase,hip_deg,knee_deg\n{rows}", encoding="utf-8")
     estimate.to_urdf(folder / "leg.urdf")
     (folder / "stl").write_bytes(
         bytes(80) + (2).to_bytes(4, "little") + np.arange(24, dtype="<f4").tobytes() + bytes(4)
@@ -161,6 +171,7 @@ def mutated(content: bytes, rng: np.random.Generator) -> bytes:
 def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
     """Find the function that reads a file of a kind."""
     import exoid  # noqa: PLC0415
+    from exoid.control.functions.walk import stride_flexion  # noqa: PLC0415
     from exoid.leg.loops import Loops  # noqa: PLC0415
     from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
 
@@ -170,11 +181,27 @@ def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
         "estimate": lambda path: str(exoid.Estimate.load(path)),
         "forces.sto": exoid.signals.read_opensim_forces,
         "columns.toml": _read_by_columns,
+        "start": lambda path: _begin_on_line(path, leg),
+        "metadata": lambda path: exoid.Recording.from_file(path.parent),
+        "stride": lambda path: stride_flexion(path, 1.0),
         "drives.toml": lambda path: exoid.actuators.read_actuators(path, leg),
         **dict.fromkeys(("loops.toml", "loops.xml"), Loops.read),
         **dict.fromkeys(MESHES, lambda path: load_mesh(path, np.ones(3))),
     }
     return readers.get(kind, exoid.Recording.from_file)
+
+
+def _begin_on_line(path: Path, leg: Any) -> object:  # noqa: ANN401 - a leg
+    """Begin an estimate on line with what an earlier session saved, and go on for two seconds."""
+    import exoid  # noqa: PLC0415
+
+    sys.path.insert(0, str(ROOT / "tests"))
+    import one_joint  # noqa: PLC0415 - a module of the tests
+
+    log = one_joint.swing(leg, seconds=2.0)
+    online = exoid.online.RecursiveEstimator(leg, start=exoid.Estimate.load(path), rate=log.sample_rate)
+    online.update(log.q, None, None, log.tau)
+    return online.estimate, online.findings
 
 
 def _read_by_columns(path: Path) -> object:
@@ -189,6 +216,7 @@ def _read_by_columns(path: Path) -> object:
 def name_of(kind: str) -> str:
     """Name of a file of a kind, by which it is recognised."""
     names = {"estimate": "est.json", "urdf": "bad.urdf", "struct.mat": "log.mat"}
+    names |= {"start": "start.json", "stride": "stride.csv", "metadata": "bag_folder/metadata.yaml"}
     return names.get(kind, f"log.{kind}")
 
 
@@ -316,7 +344,7 @@ def main() -> int:
             largest = Largest()
             for finding in findings(kind, contents[kind], Path(name), words.files, rng, largest):
                 words.keep.mkdir(exist_ok=True)
-                (words.keep / f"{count}-{name_of(kind)}").write_bytes(finding.content)
+                (words.keep / f"{count}-{Path(name_of(kind)).name}").write_bytes(finding.content)
                 print(f"  {kind}: {finding.what}", flush=True)
                 count += 1
             print(

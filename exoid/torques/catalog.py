@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -45,7 +44,7 @@ def radians(leg: Leg) -> FloatArray:
 def at_slide(term: Term) -> Term:
     """Dry friction of a prismatic joint, at which usual speeds are those of a radian."""
     usual = {"smoothing": SMOOTHING, "reversal_speed": REVERSAL, "velocity": Stribeck.velocity}
-    found: dict[str, Any] = {name: SLIDE * x for name, x in usual.items() if getattr(term, name, None) == x}
+    found = {name: SLIDE * getattr(term, name) for name, x in usual.items() if getattr(term, name, None) == x}
     return replace(term, **found) if isinstance(term, DryFriction) else term
 
 

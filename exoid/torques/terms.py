@@ -15,14 +15,11 @@ from .motion import JointMotion
 from .presliding import Presliding
 from .term import Term
 
-SMOOTHING = 0.015
-"""Usual velocity over which dry friction changes its sign [rad/s]."""
+SMOOTHING, REVERSAL = 0.015, 0.03
+"""Usual velocity over which dry friction changes its sign, and speed at which a joint may stick [rad/s]."""
 
 SIGN_WIDTH = 0.02
 """Velocity over which the efficiency of a drive, and friction that no term describes, change their sign [rad/s]."""
-
-REVERSAL = 0.03
-"""Usual speed below which a joint that turns round may stick [rad/s]."""
 
 SLOW = 0.05
 """Largest reversal speed over the RMS velocity: slow motion is no reversal."""

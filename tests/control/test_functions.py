@@ -132,6 +132,7 @@ REFUSED = {
     "no norm": lambda body, path: functions.walk(body, reference="Sprint"),
     "no file": lambda body, path: functions.walk(body, reference="missing.csv"),
     "no knee": lambda body, path: functions.walk(body, reference=path),
+    "two strides": lambda body, path: functions.walk(body, reference=path.with_name("two.csv")),
     "no leg": lambda body, path: Body(0.4, -0.4),
     "not finite": lambda body, path: replace(functions.stand(body), flexion=np.full((len(PHASE), 2, 3), np.nan)),
     "no order": lambda body, path: replace(functions.stand(body), contacts=((0.5, frozenset(SIDES)),)),
@@ -143,6 +144,8 @@ REFUSED = {
 def test_what_cannot_be_done_is_refused(name, tmp_path):
     path = tmp_path / "bad.csv"
     path.write_text("phase,hip_deg\n" + "\n".join(f"{k / 10},{k}" for k in range(10)))
+    two = "\n".join(f"{k / 10 % 1},{k},{k}" for k in range(20))
+    path.with_name("two.csv").write_text("phase,hip_deg,knee_deg\n" + two)
     body = Body.of(load_exo("bleex", base="floating"), BLEEX_SOLES)
     with pytest.raises(ExoidError):
         REFUSED[name](body, path)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
-from exoid.errors import UnreadableInputError
+from exoid.errors import UnreadableInputError, in_file
 from exoid.experiments.ground.walking import healthy_flexion
+from exoid.signals.readers.formats import open_table
 from exoid.tools.numbers import checked
 
 from .body import SIDES, Body
@@ -21,24 +21,22 @@ def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArra
     """Tabulate hip, knee and ankle over a stride from heel contact, flexion at :data:`PHASE` [rad], (K, 3)."""
     if reference == "healthy":
         return healthy_flexion(PHASE % 1.0, scale)
-    path = Path(reference)
-    try:
-        table = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
-        column = {name: np.atleast_1d(table[name]) for name in table.dtype.names or ()}  # type: ignore[call-overload]
-        phase = np.unwrap(2.0 * np.pi * column["phase"]) / (2.0 * np.pi)
-        columns = [column["hip_deg"], column["knee_deg"], column.get("ankle_deg", np.zeros(len(phase)))]
-        angles = np.deg2rad(np.column_stack(columns))
-    except (OSError, ValueError, KeyError) as error:
-        raise UnreadableInputError(
-            f"no table of a stride ({error})",
-            where=str(path),
-            remedy="give columns phase (0 to 1), hip_deg, knee_deg, and perhaps ankle_deg, below a header",
-        ) from error
-    rises = len(phase) >= 8 and (np.diff(phase) > 0.0).all() and phase[-1] - phase[0] >= 0.9
+    path = os.fsdecode(reference)
+    with in_file(path):
+        table = open_table(path)
+        names = ("phase", "hip_deg", "knee_deg", *(name for name in ("ankle_deg",) if name in table.header))
+        if lacking := [name for name in names if name not in table.header]:
+            what = f"no column {lacking[0]!r}, so no table of a stride"
+            remedy = "give columns phase (0 to 1), hip_deg, knee_deg, and perhaps ankle_deg, below a header"
+            raise UnreadableInputError(what, remedy=remedy)
+        columns = table.numbers(names).T
+    phase = np.unwrap(columns[0], period=1.0)
+    angles = np.deg2rad(np.vstack([columns[1:], np.zeros((4 - len(names), len(phase)))]).T)
+    rises = len(phase) >= 8 and (np.diff(phase) > 0.0).all() and 0.9 <= phase[-1] - phase[0] <= 1.0 + 1e-6
     if not rises or not np.isfinite(angles).all():
         raise UnreadableInputError(
-            "the stride is not finite, has fewer than 8 phases, or they do not rise over a whole stride",
-            where=str(path),
+            "the stride is not finite, has fewer than 8 phases, or they do not rise over one whole stride",
+            where=path,
             remedy="check its rows",
         )
     again = slice(0, -1) if phase[-1] - phase[0] > 1.0 - 1e-6 else slice(None)  # the last row may be the first one

@@ -26,7 +26,7 @@ from .torque_error import torque_nrmse
 
 SIDES = ("left", "right")
 
-JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.15, reversal_speed=0.0))
+JOINT_TERMS = (Stiffness(), Coulomb(smoothing=0.0, dead_band=0.15))
 """Terms of the joint estimate; samples near a velocity reversal are left out, never filtered across it."""
 
 JOINT_PREPARATION = Smoothed(cutoff=8.0)

@@ -38,13 +38,8 @@ SERVOS = {"document": (150.0, 0.0), "smooth": (150.0, 15.0), "tight": (2000.0, 2
 SETTLE, DURATION = 2.0, 62.0
 """Initial part of every motion that is left out, and its end [s]; the document's validation lasts one minute."""
 
-TERMS = (
-    Stiffness(degree=1, joints=("knee",)),
-    Coulomb(smoothing=0.02, reversal_speed=0.0),
-    Viscous(),
-    Armature(),
-    Offset(joints=("hip",)),
-)
+SMOOTH = Coulomb(smoothing=0.02, reversal_speed=0.0)  # as the joints of the rig
+TERMS = (Stiffness(degree=1, joints=("knee",)), SMOOTH, Viscous(), Armature(), Offset(joints=("hip",)))
 """Terms of the estimate from the multisine; b0 is the constant torque of the knee."""
 
 PREPARATION = ZeroPhase(cutoff=3.0)

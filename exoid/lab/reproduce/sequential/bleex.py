@@ -26,7 +26,7 @@ MIN_SPEED = 0.08
 
 def document_model(leg: Leg) -> TorqueModel:
     """Make the model with quadratic stiffness and sharp Coulomb friction at every joint (doc. 1, eqs. (21), (34))."""
-    return planar_model(leg, ("hip", "knee", "ankle"), 1, (Stiffness(), Coulomb(smoothing=0.0, reversal_speed=0.0)))
+    return planar_model(leg, ("hip", "knee", "ankle"), 1, (Stiffness(), Coulomb(smoothing=0.0)))
 
 
 def stiffness_coefficients(

@@ -19,9 +19,7 @@ HIP, KNEE = 0, 1
 
 def document_model(leg: Leg) -> TorqueModel:
     """Make the model with stiffness, Coulomb and viscous friction (doc. 2, eq. (6), Table III)."""
-    return planar_model(
-        leg, ("hip", "knee"), 2, (Stiffness(degree=1), Coulomb(smoothing=0.0, reversal_speed=0.0), Viscous())
-    )
+    return planar_model(leg, ("hip", "knee"), 2, (Stiffness(degree=1), Coulomb(smoothing=0.0), Viscous()))
 
 
 def knee_stiffness(model: TorqueModel, known: SequentialEstimate, poses: Poses) -> SequentialEstimate:
