@@ -10,7 +10,7 @@ from exoid import Coulomb, Leg, Recording, Viscous, Wrench
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.torques import TorqueModel
 
-TERMS = (Coulomb(smoothing=0.05), Viscous())
+TERMS = (Coulomb(smoothing=0.05, reversal_speed=0.0), Viscous())
 GRAVITY = 9.81
 ORDER = 7
 """Of the splines that motions are differentiated by."""

@@ -20,7 +20,9 @@ pytestmark = pytest.mark.slow
 
 LEG = exoid.load_leg("cuhk")
 MODEL = TorqueModel(LEG, DEFAULT_TERMS)
-SMOOTH = TorqueModel(LEG, (exoid.Coulomb(), *DEFAULT_TERMS[1:]))  # friction at reversals is fitted, too
+SMOOTH = TorqueModel(
+    LEG, (exoid.Coulomb(smoothing=0.02, reversal_speed=0.0), *DEFAULT_TERMS[1:])
+)  # friction at reversals is fitted, too
 SCALES = Scales.of(MODEL, MotionLimits.of(LEG))
 STD = (0.3, 0.2)
 NOISE = TorqueNoise(STD)

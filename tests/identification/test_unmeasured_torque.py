@@ -19,7 +19,7 @@ from exoid.torques import TorqueModel
 
 pytestmark = pytest.mark.slow
 
-DRIVEN = (Coulomb(joints=("hip", "knee")), Viscous(joints=("hip", "knee")))
+DRIVEN = tuple(dataclasses.replace(term, joints=("hip", "knee")) for term in TERMS)
 
 
 @cache

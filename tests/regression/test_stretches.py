@@ -16,7 +16,7 @@ from exoid.signals import FiniteDifference, MovingAverage, ZeroPhase
 from exoid.torques import TorqueModel
 
 SWING = Swing(exoid.load_leg("bleex"), 100.0, 60.0)
-WITH_GAPS = (Coulomb(dead_band=0.1), Viscous(), Offset())
+WITH_GAPS = (Coulomb(dead_band=0.1, reversal_speed=0.0), Viscous(), Offset())
 
 
 def recording(seed: int = 0) -> Recording:

@@ -215,3 +215,10 @@ def test_a_linearised_model_has_the_derivatives_of_the_torque():
         np.testing.assert_allclose(W[:, :, k], slope, atol=2e-3 * max(1.0, np.abs(slope).max()))
     for joint in range(2):
         assert not W[:, joint, :-1][:, ~linear.acting[joint]].any()
+
+
+@pytest.mark.parametrize("kind", [Coulomb, Stribeck, LoadFriction])
+def test_friction_with_presliding_is_known_at_reversals_and_other_friction_is_not(kind):
+    v = np.sin(np.linspace(0.0, 20.0, 1000))
+    assert kind(presliding=1e-3).reversing(v) is None
+    assert 0.0 < kind().reversing(v).mean() < 0.1
