@@ -82,11 +82,11 @@ def noisy(tau: np.ndarray, rng: np.random.Generator, noise: float = NOISE) -> np
     return tau + noise * np.sqrt(np.mean(tau**2, axis=0)) * rng.standard_normal(tau.shape)
 
 
-def again(name: str, seed: int, folder: Path, count: int) -> dict[str, np.ndarray]:
+def again(name: str, seed: int, folder: Path, count: int, motions: int) -> dict[str, np.ndarray]:
     """Identify one machine from the same motions with other noises, and without noise."""
     machine, rng, found = MACHINES[name](seed), np.random.default_rng(seed), []
     leg = machine.leg(folder)
-    clean = [record(machine, leg, rng, 0.0) for _ in range(2)]
+    clean = [record(machine, leg, rng, 0.0) for _ in range(motions)]
     truth = np.array([*leg.parameters, *[DAMPING] * 2])
     exact = exoid.identify(leg, clean, terms=[exoid.Viscous()], check=False).values - truth
     for draw in range(count):
@@ -213,7 +213,7 @@ def main() -> None:
     machines = [name for name in MACHINES if arguments.machine in name]
     with tempfile.TemporaryDirectory() as folder:
         for name in machines if arguments.noises else ():
-            one = again(name, arguments.first, Path(folder), arguments.noises)
+            one = again(name, arguments.first, Path(folder), arguments.noises, arguments.motions)
             size, inside = int(one["count"]), one["inside"]
             print(f"{name}, seed {arguments.first} with {arguments.noises} noises")
             print(f"  truth within 95 % intervals                  {inside.mean() / size:.1%}")
