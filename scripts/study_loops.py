@@ -2,13 +2,13 @@
 
     python scripts/study_loops.py --seeds 8      # seeds from 1000, about 7 minutes on one core
     python scripts/study_loops.py --machine ankle --motions 4  # identified from two minutes
-    python scripts/study_loops.py --first 1007 --noises 40   # one machine with other noise
+    python scripts/study_loops.py --seeds 24 --noises 4      # each machine with other noise: do intervals hold?
 
 Each seed draws other proportions and masses. MuJoCo closes the loops by `connect`, and knows nothing of exoid's
 elimination. Only the motors are logged: angle (17 bits) and torque (noise of 1 % of its root mean square). Training:
 two motions of 30 s (`--motions`). Test: another one. An error as torque is that of one parameter, over the size with
 which it would explain all torque of a joint. The torque is compared with that of the true parameters, so that 1 is the
-noise. The standard error of coverage is that between machines.
+noise. The standard error of coverage is that between logs.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import argparse
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -146,6 +147,11 @@ def named(leg: exoid.Leg, log: exoid.Recording) -> float:
     return 1e3 * max((one.value for one in found), default=0.0)
 
 
+def standard_error(shares: Sequence[float]) -> float:
+    """Standard error of the mean of what logs share; parameters of one log hold or miss together."""
+    return float(np.std(shares, ddof=1) / np.sqrt(len(shares)))
+
+
 def speed(name: str, folder: Path, count: int = 20_000) -> list[float]:
     """Processor time per sample [µs]: exoid's regressor, the same by a loop over Pinocchio, its constrained dynamics.
 
@@ -207,29 +213,36 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--first", type=int, default=1000)
     parser.add_argument("--motions", type=int, default=2, help="of 30 s each, to identify a machine from")
-    parser.add_argument("--noises", type=int, default=0, help="identify the first machine again, with so many noises")
+    parser.add_argument("--noises", type=int, default=0, help="identify each machine with so many noises")
     parser.add_argument("--machine", default="", help="only machines whose name has this text")
     arguments = parser.parse_args()
     machines = [name for name in MACHINES if arguments.machine in name]
     with tempfile.TemporaryDirectory() as folder:
+        seeds = range(arguments.first, arguments.first + arguments.seeds)
         for name in machines if arguments.noises else ():
-            one = again(name, arguments.first, Path(folder), arguments.noises, arguments.motions)
-            size, inside = int(one["count"]), one["inside"]
-            print(f"{name}, seed {arguments.first} with {arguments.noises} noises")
-            print(f"  truth within 95 % intervals                  {inside.mean() / size:.1%}")
-            print(f"  noises with under half of {size} inside         {(2 * inside < size).sum()}")
-            print(f"  widest axis of the correlations, of {size}      {one['axis'].mean():.1f}")
-            print(f"  error along it, RMS [standard deviations]    {np.sqrt(np.mean(one['along'] ** 2)):.2f}")
-            print(f"  largest error without noise [likewise]       {one['exact'].max():.2f}", flush=True)
+            every = [again(name, seed, Path(folder), arguments.noises, arguments.motions) for seed in seeds]
+            shares = np.concatenate([one["inside"] / one["count"] for one in every])
+            along = np.concatenate([one["along"] for one in every])
+            axis, count = (np.mean([one[key].mean() for one in every]) for key in ("axis", "count"))
+            print(
+                f"{name}, {arguments.seeds} seeds from {arguments.first}, {arguments.motions} motions, {arguments.noises} noises each"
+            )
+            print(f"  within 95 % intervals, std. error            {shares.mean():.1%} ± {standard_error(shares):.1%}")
+            print(f"  logs with under half inside                  {(shares < 0.5).sum()} of {len(shares)}")
+            print(f"  widest axis of the correlations, of {count:.0f}      {axis:.1f}")
+            print(f"  error along it, RMS [standard deviations]    {np.sqrt(np.mean(along**2)):.2f}")
+            print(
+                f"  largest error without noise [likewise]       {max(one['exact'].max() for one in every):.2f}",
+                flush=True,
+            )
         for name in () if arguments.noises else machines:
             found = []
-            for seed in range(arguments.first, arguments.first + arguments.seeds):
+            for seed in seeds:
                 found.append(measure(name, seed, Path(folder), arguments.motions))
                 print(seed, {key: f"{x:.4g}" for key, x in found[-1].items()}, file=sys.stderr)
             total = {key: sum(one[key] for one in found) for key in ("parameters", "known", "inside")}
             worst = {key: max(one[key] for one in found) for key in ("worst", "effect", "torque")}
-            shares = [one["inside"] / one["parameters"] for one in found]
-            error = np.std(shares, ddof=1) / np.sqrt(len(shares))  # parameters of one machine hold or miss together
+            error = standard_error([one["inside"] / one["parameters"] for one in found])
             ours, loop, dynamics = speed(name, Path(folder))
             print(f"{name}, {arguments.seeds} seeds from {arguments.first}, {arguments.motions} motions each")
             print(f"  parameters known to 1 % (std)         {total['known']} of {total['parameters']}")
