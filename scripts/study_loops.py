@@ -224,9 +224,7 @@ def main() -> None:
             shares = np.concatenate([one["inside"] / one["count"] for one in every])
             along = np.concatenate([one["along"] for one in every])
             axis, count = (np.mean([one[key].mean() for one in every]) for key in ("axis", "count"))
-            print(
-                f"{name}, {arguments.seeds} seeds from {arguments.first}, {arguments.motions} motions, {arguments.noises} noises each"
-            )
+            print(f"{name}, {len(seeds)} seeds from {seeds[0]}, {arguments.motions} motions, {len(shares)} logs")
             print(f"  within 95 % intervals, std. error            {shares.mean():.1%} ± {standard_error(shares):.1%}")
             print(f"  logs with under half inside                  {(shares < 0.5).sum()} of {len(shares)}")
             print(f"  widest axis of the correlations, of {count:.0f}      {axis:.1f}")
