@@ -24,9 +24,6 @@ RATES = Rates(control=500.0, log=500.0, step=1e-3)
 HELD = 0.5 / RATES.control
 """Lag of logged torques behind angles [s]: the rig logs the torque of the interval before each sample."""
 
-DRY = Coulomb()
-"""Coulomb friction as in the default terms."""
-
 STRIDE = 2.4
 """Duration of a stride [s]."""
 
@@ -75,12 +72,12 @@ def machine(name: str) -> Machine:
         plant = Plant.build(leg, published.bleex_resistances("left"), end_stops=False)
         cad, terms = (
             exoid.load_leg("bleex", "left", "cad"),
-            (Stiffness(degree=2, joints=("knee", "ankle")), DRY, Viscous()),
+            (Stiffness(degree=2, joints=("knee", "ankle")), Coulomb(), Viscous()),
         )
         centre, amplitude = np.deg2rad([20.0, -38.0, -3.0]), np.deg2rad([35.0, 42.0, 30.0])
         return Machine(plant, cad, terms, centre, amplitude, np.array([0.5, 0.4, 0.2]))
     leg = exoid.load_leg("cuhk")
-    terms = (Stiffness(degree=1, joints=("knee",)), DRY, Viscous(), Armature())
+    terms = (Stiffness(degree=1, joints=("knee",)), Coulomb(), Viscous(), Armature())
     centre, amplitude = np.deg2rad([20.0, 38.0]), np.deg2rad([35.0, 42.0])
     return Machine(Plant.build(leg, CUHK, end_stops=False), leg, terms, centre, amplitude, np.array([0.5, 0.3]))
 

@@ -131,6 +131,7 @@ REFUSED = {
     "no duration": lambda body, path: functions.rise(body, duration=0.0),
     "no norm": lambda body, path: functions.walk(body, reference="Sprint"),
     "no file": lambda body, path: functions.walk(body, reference="missing.csv"),
+    "no end": lambda body, path: functions.walk(body, reference="/dev/zero"),
     "no knee": lambda body, path: functions.walk(body, reference=path),
     "two strides": lambda body, path: functions.walk(body, reference=path.with_name("two.csv")),
     "no leg": lambda body, path: Body(0.4, -0.4),

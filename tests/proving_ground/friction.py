@@ -62,7 +62,7 @@ class Friction(NamedTuple):
         """Terms of exoid with the true settings; the drift has none."""
         where = {"joints": (joint,)}
         how = {
-            "sharp": {"smoothing": 0.015, "reversal_speed": 0.03},  # as the default terms
+            "sharp": {},  # as the default terms
             "smooth": {"smoothing": self.width, "reversal_speed": 0.0},
             "presliding": {"presliding": self.length},
         }[self.transition]

@@ -16,6 +16,8 @@ from exoid.tools.numbers import checked
 from .body import SIDES, Body
 from .function import PHASE, Function
 
+STRIDE = ("phase", "hip_deg", "knee_deg", "ankle_deg")  # columns of a stride; a leg may have no ankle
+
 
 def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArray:
     """Tabulate hip, knee and ankle over a stride from heel contact, flexion at :data:`PHASE` [rad], (K, 3)."""
@@ -24,14 +26,13 @@ def stride_flexion(reference: str | os.PathLike[str], scale: float) -> FloatArra
     path = os.fsdecode(reference)
     with in_file(path):
         table = open_table(path)
-        names = ("phase", "hip_deg", "knee_deg", *(name for name in ("ankle_deg",) if name in table.header))
-        if lacking := [name for name in names if name not in table.header]:
+        if lacking := [name for name in STRIDE[:3] if name not in table.header]:
             what = f"no column {lacking[0]!r}, so no table of a stride"
             remedy = "give columns phase (0 to 1), hip_deg, knee_deg, and perhaps ankle_deg, below a header"
             raise UnreadableInputError(what, remedy=remedy)
-        columns = table.numbers(names).T
-    phase = np.unwrap(columns[0], period=1.0)
-    angles = np.deg2rad(np.vstack([columns[1:], np.zeros((4 - len(names), len(phase)))]).T)
+        columns = table.numbers([name for name in STRIDE if name in table.header]).T
+    phase, angles = np.unwrap(columns[0], period=1.0), np.zeros((columns.shape[1], 3))
+    angles[:, : len(columns) - 1] = np.deg2rad(columns[1:].T)
     rises = len(phase) >= 8 and (np.diff(phase) > 0.0).all() and 0.9 <= phase[-1] - phase[0] <= 1.0 + 1e-6
     if not rises or not np.isfinite(angles).all():
         raise UnreadableInputError(
@@ -68,7 +69,7 @@ def walk(
         The function, "walk" or "slope"; phase 0 is the heel contact of the left foot.
 
     Raises:
-        ExoidError: There is no such file, a column is missing, a leg is too short, or the slope is above 0.3 rad.
+        ExoidError: There is no such file, or no stride in it, a leg is too short, or the slope is above 0.3 rad.
     """
     checked(abs(angle), "the angle of a slope [rad]", most=0.3)
     one = stride_flexion(reference, scale)
