@@ -175,6 +175,7 @@ def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
     from exoid.leg.loops import Loops  # noqa: PLC0415
     from exoid.view.scenes.meshes import load_mesh  # noqa: PLC0415
 
+    sys.path.insert(0, str(ROOT / "tests"))
     leg = exoid.Leg.from_urdf(folder / "one.urdf")
     readers: dict[str, Callable[[Path], Any]] = {
         "urdf": exoid.Leg.from_urdf,
@@ -193,10 +194,9 @@ def reader_of(kind: str, folder: Path) -> Callable[[Path], Any]:
 
 def _begin_on_line(path: Path, leg: Any) -> object:  # noqa: ANN401 - a leg
     """Begin an estimate on line with what an earlier session saved, and go on for two seconds."""
-    import exoid  # noqa: PLC0415
-
-    sys.path.insert(0, str(ROOT / "tests"))
     import one_joint  # noqa: PLC0415 - a module of the tests
+
+    import exoid  # noqa: PLC0415
 
     log = one_joint.swing(leg, seconds=2.0)
     online = exoid.online.RecursiveEstimator(leg, start=exoid.Estimate.load(path), rate=log.sample_rate)
