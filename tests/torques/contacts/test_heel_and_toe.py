@@ -148,7 +148,7 @@ def test_a_walk_tells_the_bias_of_its_imu(walk):
     assert bias.value == pytest.approx(np.hypot(0.2, 0.1), abs=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_healthy_walk_needs_no_settings_but_an_imu(walk):
     """Touch-downs shake joints faster than the usual low-pass lets through: a torque offset was made of it."""
     log, true = walk.recording(seed=1, wrenches=("torso",)), true_values(walk.plant)
