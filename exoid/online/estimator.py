@@ -8,10 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from exoid._typing import ArrayLike
-from exoid.errors import BadArgumentError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.leg.leg import Leg
+from exoid.signals import checks
 from exoid.torques import Term, TorqueModel
 from exoid.torques.catalog import terms_of
 
@@ -41,6 +43,9 @@ class RecursiveEstimator:
         reversal_speed: Speed below which joints with dry friction have no rows [rad/s], slides a tenth in m/s; 0: none.
         torque_limits: Largest torque of each joint [N·m], (n,); samples that reach it are left out.
         false_alarms: Rate of false alarms of the detection of sudden changes [1/h]; 0 for no detection.
+        passive: Joints without an actuator, whose torque is zero; None for those of ``start``.
+        largest_angle: Limit of the angles [rad], beyond which they count as degrees; ``math.inf`` for a joint that
+            really turns that far.
 
     Raises:
         ExoidError: A setting is out of range, terms do not fit, or the start is of another leg.
@@ -65,6 +70,8 @@ class RecursiveEstimator:
         reversal_speed: float = 0.1,
         torque_limits: ArrayLike | None = None,
         false_alarms: float = 0.1,
+        passive: Sequence[str] | None = None,
+        largest_angle: float = 2.0 * LARGEST_ANGLE,
     ) -> None:
         # The model of the start where there is one, so that parameters have the same names
         chosen = terms_of(start.model.terms if terms is None and start is not None else terms)
@@ -73,9 +80,18 @@ class RecursiveEstimator:
             what = f"the start has the parameters {', '.join(start.names)}, and the model {', '.join(model.names)}"
             remedy = "pass an estimate of the same leg and terms"
             raise BadArgumentError(what, where=leg.description.name, remedy=remedy)
-        limits = () if torque_limits is None else tuple(np.ravel(torque_limits).tolist())
+        if passive is None:
+            passive = () if start is None else start.passive
         self.settings = settings = Settings(
-            model, rate, cutoff, memory, reversal_speed=reversal_speed, torque_limits=limits, false_alarms=false_alarms
+            model,
+            rate,
+            cutoff,
+            memory,
+            reversal_speed=reversal_speed,
+            torque_limits=() if torque_limits is None else tuple(np.ravel(torque_limits).tolist()),
+            false_alarms=false_alarms,
+            passive=checks.as_joints(passive, leg.joint_names, "passive"),
+            largest_angle=largest_angle,
         )
         state, self._stream, self._pending = begin(settings), Stream(), list[Sample]()
         self._state = state if start is None else started(settings, state, start)
@@ -105,13 +121,13 @@ class RecursiveEstimator:
             q: Angles [rad], (n,) or (N, n).
             v: Velocities [rad/s], likewise; None if the filter is to derive them.
             a: Accelerations [rad/s²], likewise; None if the filter is to derive them.
-            tau: Torques [N·m], likewise.
+            tau: Torques [N·m], likewise; NaN or zero at passive joints.
             time: Time stamps [s], a number or (N,), from which missing and repeated samples are seen; None for samples
                 at an even rate.
 
         Raises:
             ExoidError: Shapes do not fit the leg, what is given changes from call to call, there is no filter to derive
-                with, angles are in degrees, or no sample is plausible for seconds.
+                with, angles are in degrees, a passive joint has a torque, or no sample is plausible for seconds.
         """
         n, given = self.settings.n, (v is not None, a is not None)
         if given != self._stream.given:
@@ -125,6 +141,9 @@ class RecursiveEstimator:
         of_q = as_table(q, "q", n, None)
         count = len(of_q)
         table = np.hstack([of_q, *(as_table(x, name, n, count) for x, name in ((v, "v"), (a, "a"), (tau, "tau")))])
+        if self.settings.passive:
+            known = {"joint_names": self.settings.model.leg.joint_names, "passive": self.settings.passive}
+            table[:, 3 * n :] = checks.with_zero_torque({**known, "tau": table[:, 3 * n :]}, of_q.shape)
         stamps = np.full(count, math.nan) if time is None else np.atleast_1d(np.asarray(time, dtype=np.float64))
         if stamps.shape != (count,):
             what = f"time of shape {stamps.shape} for {count} samples"
@@ -139,7 +158,12 @@ class RecursiveEstimator:
         Raises:
             ExoidError: The samples so far do not determine every parameter: names them.
         """
-        return estimate_of(self.settings, self.state, self._stream)
+        try:
+            return estimate_of(self.settings, self.state, self._stream)
+        except NotIdentifiableError as error:  # what is wrong with the stream may be the reason
+            for finding in self.findings[:1]:
+                error.what, error.remedy = f"{error.what}; {finding.message}", f"{finding.remedy}, or {error.remedy}"
+            raise
 
     @property
     def changes(self) -> tuple[Change, ...]:

@@ -9,13 +9,16 @@ import numpy as np
 from exoid.estimate import Estimate
 from exoid.estimate.finding import Finding, Severity, ordered
 from exoid.identification.findings.efforts import FITS_BETTER, fit_torques
-from exoid.identification.findings.physics import impossible_leg
+from exoid.identification.findings.physics import impossible_leg, odd_scales, other_scale
 from exoid.identification.findings.sample import FittedLeg
 
 from .hypotheses import SENSOR_FAULTS
 from .settings import Settings
 from .state import State
 from .stream import FAULTS, Stream
+
+CLOCKS = 5e-4
+"""Difference of rates that two clocks may have: by so much one is slewed where they are kept together."""
 
 FALLEN, CONTRADICTED = 10.0, 3.0
 """Ratio of residuals to the smallest so far, and mean statistic of a minute (1 for noise) that contradict intervals."""
@@ -65,15 +68,18 @@ def findings_of(settings: Settings, state: State, stream: Stream) -> tuple[Findi
         one, size = hypotheses[k], float(mean[k])
         text = f"torques contradict {', '.join(one.parameters)}: errors are {size**0.5:.3g} times the intervals'"
         say("intervals-contradicted", one.joint, size, text, LOOK, one.parameters)
-    pace = stream.periods / max(stream.counted, 1)
-    if stream.counted > 100 and abs(pace - 1.0) > 0.01:
-        text = f"samples come at {settings.rate / pace:.4g} Hz by their time stamps, not at {settings.rate:.4g} Hz"
-        say("stream-rate", "", pace, text, "make the estimator with the rate of the samples")
+    passed, rounded, samples = stream.periods
+    # Samples that are lost only make the others slow; stamps that come in bursts are rounded to too few periods
+    pace = min(passed / max(samples, 1), max(1.0, passed / max(rounded, 1)))
+    if samples > 100 and abs(pace - 1.0) > CLOCKS + 10.0 / samples:
+        text = f"samples come at {settings.rate / pace:.7g} Hz by their time stamps, not at {settings.rate:.7g} Hz"
+        say("stream-rate", "", pace, text, "make the estimator with the rate of the samples", settings.model.names)
     ways, products = stream.travel
     for joint, way, product in zip(settings.model.leg.joint_names, ways.tolist(), products.tolist(), strict=False):
         if way > 0.0 and abs(product / way - 1.0) > 0.02:  # a delay of 20 ms takes 1 % of a usual gait's
             text = f"the velocity is {product / way:.3g} times the derivative of the angle"
-            say("velocity-scale", joint, product / way, text, "pass no velocity (v=None), or mend its unit or sign")
+            remedy = "pass no velocity (v=None), or mend its unit or sign"
+            say("velocity-scale", joint, product / way, text, remedy, settings.model.names)
     for (kind, (message, remedy)), number in zip(FAULTS.items(), stream.counts, strict=True):
         if number > 0:
             share, text = number / max(stream.received, 1), f"{number} of {stream.received} {message}"
@@ -87,6 +93,10 @@ def doubts_of(estimate: Estimate, state: State) -> Iterator[Finding]:
     factors, rows = state.information.R[:-1], np.maximum(state.information.rows[:-1], 1.0)
     impossible = list(impossible_leg(estimate.model.leg, estimate.values, estimate.covariance, factors))
     yield from impossible
+    units = [
+        other_scale(joint, abs(size), estimate.names) for joint, size in odd_scales(estimate.model, factors).items()
+    ]
+    yield from (unit for unit in units if unit.severity == "error")
     torque = np.linalg.norm(factors[:, :, -1], axis=1) / np.sqrt(rows)
     sums = state.correlation.sums
     lasts = sums[3] > 0.5 * sums[0]  # half a period of the cut-off apart, noise is hardly alike any more

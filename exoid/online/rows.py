@@ -74,7 +74,7 @@ def _kept(W: FloatArray, tau: FloatArray, marks: FloatArray, motion: Sequence[Fl
 def faults_of(settings: Settings, rows: Rows, values: FloatArray) -> FloatArray:
     """Innovations by a unit of each fault, see `SENSOR_FAULTS`, (n, m, 3 n)."""
     (m, n), unit = rows.tau.shape, np.eye(settings.n)
-    scale, late = (x.T[..., None] * unit[:, None] for x in (rows.W @ values, -rows.slope))
+    scale, late = (x.T[..., None] * (unit * settings.driven)[:, None] for x in (rows.W @ values, -rows.slope))
     moved = np.tile(rows.motion, (1, 2 * n, 1))
     moved[0] += np.repeat(1e-3 * np.vstack([unit, -unit]), m, axis=0)  # [rad]
     more, less = (settings.model.regressor(*moved) @ values).reshape(2, n, m, n) * rows.used

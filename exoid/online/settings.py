@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import BadArgumentError, NotSupportedError
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.leg.leg_data import refuse_floating_base
 from exoid.tools.numbers import checked
 from exoid.torques import DryFriction, TorqueModel
@@ -33,6 +34,8 @@ class Settings:
     reversal_speed: float = 0.1
     torque_limits: tuple[float, ...] = ()  # of each joint [N·m]; empty for none
     false_alarms: float = 0.1
+    passive: tuple[str, ...] = ()  # joints without an actuator
+    largest_angle: float = 2.0 * LARGEST_ANGLE  # beyond which angles are degrees [rad]
     flat: bool = True  # whether the first filter keeps harmonics; a Gaussian lets less noise into the accelerations
 
     def __post_init__(self) -> None:
@@ -43,6 +46,7 @@ class Settings:
             if term.internal_state is not None or term.loaded:
                 what = f"{type(term).__name__} depends on more than angle, velocity and acceleration of a sample"
                 raise NotSupportedError(what, remedy="use Coulomb and Viscous friction without presliding online")
+        checked(self.largest_angle, "the largest angle in rad", above=0.0, infinite=True, ndim=0)
         checked(self.rate, "the rate in Hz", above=0.0, ndim=0)
         checked(self.memory, "the memory in s", above=0.0, infinite=True, ndim=0)
         checked([self.reversal_speed, self.false_alarms], "the reversal speed or rate of false alarms", least=0.0)
@@ -50,6 +54,9 @@ class Settings:
         if len(self.torque_limits) not in (0, self.n):
             what = f"{len(self.torque_limits)} torque limits for {self.n} joints"
             raise BadArgumentError(what, remedy="pass one number in N·m for each joint")
+        if not self.driven.any():
+            what, remedy = "all joints are passive", "leave those out of passive whose torque is measured"
+            raise BadArgumentError(what, remedy=remedy)
         if self.cutoff is not None:
             _ = self.kernels  # refuses a cut-off that the rate cannot carry
 
@@ -127,6 +134,11 @@ class Settings:
         """Joints with dry friction, which may stick, (n,)."""
         sticking = [j for block in self.model.blocks if isinstance(block.term, DryFriction) for j in block.joints]
         return np.isin(np.arange(self.n), sticking)
+
+    @cached_property
+    def driven(self) -> NDArray[np.bool_]:
+        """Joints that are not passive, (n,)."""
+        return np.isin(self.model.leg.joint_names, self.passive, invert=True)
 
     @cached_property
     def detection(self) -> Detection:

@@ -13,6 +13,7 @@ from exoid.errors import NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import ordered
+from exoid.identification.findings.physics import unbalanced
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RANK, ROUNDING, TINY, RFactor, Solution, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
@@ -35,7 +36,12 @@ def solved(settings: Settings, state: State, information: Information) -> State:
         return state
     # Few rows may have given a joint a weight so large that the others count as rounding: weights follow all the same
     values = scaled_lstsq(R[:-1, :-1], R[:-1, -1]) if inverse is None else inverse @ R[:-1, -1]
-    state = state._replace(weights=np.where(enough, 1.0 / residual_rms(information, values), state.weights))
+    sizes, prior = residual_rms(information, values), bool(information.R[-1].any())
+    if not settings.driven.all():  # rows of passive joints fit ever better as parameters go to zero: as `wls` has them
+        table = information.R[:-1].reshape(-1, settings.count + 1)
+        equal = residual_rms(information, scaled_lstsq(table[:, :-1], table[:, -1]))
+        sizes = np.where(settings.driven, sizes, 1.0 / state.weights if prior else equal)
+    state = state._replace(weights=np.where(enough, 1.0 / sizes, state.weights))
     return state if inverse is None else state._replace(values=values, std=np.sqrt((inverse**2).sum(axis=1)))
 
 
@@ -126,7 +132,7 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
         return np.asarray(np.where(few, 1.0 / state.weights, residual_rms(state.information, values)))
 
     first = state.values if R[-1].any() else solve(stack(factors), model.names).values
-    weights = 1.0 / rms_of(first)
+    weights = np.where(settings.driven, 1.0 / rms_of(first), state.weights)
     own = np.append(weights, np.sqrt(np.mean(inflation)))
     try:
         solution = solve(stack(factors, own.tolist()), model.names)
@@ -155,10 +161,11 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
         residual_rms=rms,
         estimator="recursive wls",
         preparation=FiniteDifference() if settings.cutoff is None else ZeroPhase(cutoff=settings.cutoff),
-        inputs=(Input("stream", "", state.samples, settings.rate),),
+        inputs=(Input("stream", "", state.samples, settings.rate, passive=settings.passive),),
         evidence=Evidence(parameter_scale=scale, cutoff_source=source),
     )
-    return replace(found, findings=ordered([*findings_of(settings, state, stream), *doubts_of(found, state)]))
+    apart = unbalanced(model, ([one] for one in factors[:-1]), found.values)
+    return replace(found, findings=ordered([*findings_of(settings, state, stream), *doubts_of(found, state), *apart]))
 
 
 def started(settings: Settings, state: State, start: Estimate) -> State:

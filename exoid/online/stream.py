@@ -10,7 +10,6 @@ import numpy as np
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError, UnreadableInputError
-from exoid.leg.description import LARGEST_ANGLE
 from exoid.signals.checks import FASTEST
 
 from .settings import Settings
@@ -22,14 +21,23 @@ REFUSED = 1.0
 """Time without a plausible sample after which a jump is believed; after twice that the stream is refused [s]."""
 
 FAULTS = {
-    "not-finite": ("samples with NaN or infinite numbers were left out", "look at the connection of the sensor"),
+    "not-finite": (
+        "samples with NaN or infinite numbers were left out",
+        "look at the connection of the sensor; a joint without an actuator is passive=",
+    ),
     "angle-jump": ("samples whose angle jumped were left out", "look at the encoder, and for angles in degrees"),
     "time-jump": ("samples whose time stamp jumped were left out", "look at the clock, and for stamps not in s"),
     "late-sample": ("samples older than the one before were left out", "send them in order, and look at the clock"),
     "repeated-sample": ("samples that came twice were left out", "send each sample once"),
-    "missing-samples": ("samples are missing", "send all samples, at an even rate"),
+    "missing-samples": (
+        "samples are missing",
+        "send all samples, at an even rate; leave time= out if it is that of arrival",
+    ),
     "saturated-torque": ("torques at their limit were left out", "move more gently, or take a larger drive"),
-    "stuck-torque": ("torques that kept one value while their joint moved were left out", "look at their sensor"),
+    "stuck-torque": (
+        "torques that kept one value while their joint moved were left out",
+        "look at their sensor; a joint without an actuator is passive=",
+    ),
 }
 """Message and remedy of each fault."""
 
@@ -54,8 +62,8 @@ class Stream(NamedTuple):
     slipped: tuple[int, ...] = ()  # joints whose angle jumped to the last plausible sample, and stayed there
     # squared ways of the blocks by angles, and products with those by velocities [rad²], (2, n)
     travel: FloatArray = np.zeros((2, 1))
-    periods: float = 0.0  # sampling periods that time stamps say have passed
-    counted: int = 0  # and those that samples were counted as
+    # sampling periods that time stamps say have passed, those that they were rounded to, and samples behind them
+    periods: tuple[float, int, int] = (0.0, 0, 0)
     counts: tuple[int, ...] = (0,) * len(FAULTS)  # number of samples with each fault
     received: int = 0  # number of samples that were received
 
@@ -80,14 +88,17 @@ def take(settings: Settings, stream: Stream, sample: Sample, time: float) -> tup
     if last and stream.implausible < settings.rate * REFUSED and max(map(abs, map(sub, q, last))) > limit:
         return _refused(settings, stream, "angle-jump"), (), False
     for name, x in zip(settings.model.leg.joint_names, q, strict=True):
-        if abs(x) > 2.0 * LARGEST_ANGLE:
-            what = f"{name} at {x:.4g} rad: no joint of a leg turns twice"
-            raise UnreadableInputError(what, remedy="pass radians: numpy.deg2rad(q)", joints=(name,))
+        if abs(x) > settings.largest_angle:
+            what = (
+                f"{name} at {x:.4g} rad (limit {settings.largest_angle:.4g} rad) looks like degrees, or a slide in mm"
+            )
+            remedy = "pass radians and metres; largest_angle=math.inf if the joint really turns that far"
+            raise UnreadableInputError(what, remedy=remedy, joints=(name,))
     tau = sample[3 * n :]
     marks = tuple(float(abs(x) >= y) for x, y in zip(tau, settings.torque_limits, strict=False)) or (0.0,) * n
     if any(marks):
         stream = stream.with_fault("saturated-torque")
-    held, since = _held(stream, q, tau, settings.rate)
+    held, since = _held(settings, stream, q, tau)
     if math.inf in since:
         marks = tuple(max(mark, float(math.isinf(x))) for mark, x in zip(marks, since, strict=True))
         stream = stream.with_fault("stuck-torque")
@@ -106,11 +117,13 @@ def _clocked(settings: Settings, stream: Stream, sample: Sample, time: float) ->
     if not stream.last or math.isnan(time - stream.time):
         return stream, time, ""
     steps, ticks = (time - stream.time) * settings.rate, (time - before) * settings.rate
-    if ticks == 0.0 or (steps < 0.5 and sample == stream.last[: len(sample)]):
-        return stream, time, "repeated-sample"
+    repeated = ticks == 0.0 or (steps < 0.5 and sample == stream.last[: len(sample)])
     follows, late = 0.0 < ticks < BRIDGED + 1.5, BRIDGED + 1
-    if follows:  # rounding errors of jitter cancel
-        stream = stream._replace(periods=stream.periods + ticks, counted=stream.counted + round(ticks))
+    if -BRIDGED - 1.5 < ticks < REFUSED * settings.rate:  # rounding errors of jitter cancel
+        passed, rounded, samples = stream.periods
+        stream = stream._replace(periods=(passed + ticks, rounded + round(ticks), samples + (not repeated)))
+    if repeated:
+        return stream, time, "repeated-sample"
     if -JITTER < steps < REFUSED * settings.rate:
         late = max(0, math.floor(steps - JITTER))
         follow = max(0.05, 1.0 / stream.received)  # a clock that averages stamps has less jitter than each
@@ -122,13 +135,16 @@ def _clocked(settings: Settings, stream: Stream, sample: Sample, time: float) ->
     return stream, time, ""
 
 
-def _held(stream: Stream, q: Sample, tau: Sample, rate: float) -> tuple[tuple[int, ...], Sample]:
+def _held(settings: Settings, stream: Stream, q: Sample, tau: Sample) -> tuple[tuple[int, ...], Sample]:
     """Samples for which the torque of each joint has kept one value, and its angle since; infinite once it is stuck."""
     kept = zip(stream.held, tau, stream.last[3 * len(q) :], strict=False)
     held = tuple(count + 1 if x == y else 0 for count, x, y in kept) or (0,) * len(q)
+    held = tuple(count * is_driven for count, is_driven in zip(held, settings.driven.tolist(), strict=True))
     if not any(held):
         return held, q
-    stuck = [k > STUCK * rate and abs(x - begun) > MOVED for k, begun, x in zip(held, stream.since, q, strict=True)]
+    stuck = [
+        k > STUCK * settings.rate and abs(x - begun) > MOVED for k, begun, x in zip(held, stream.since, q, strict=True)
+    ]
     since = zip(stuck, held, stream.since, q, strict=True)
     return held, tuple(math.inf if one else begun if count else x for one, count, begun, x in since)
 

@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from hanging_knee import DAMPING, hanging_log
 from swings import harmonics
 
 import exoid
@@ -185,6 +186,7 @@ MISTAKES = {
     "none": (),
     "the sign of a torque": ("large-residual", "torque-sign"),
     "swapped torques": ("impossible-leg", "large-residual"),
+    "torques of another unit": ("torque-scale",),
     "a torque that is stuck": ("stream-stuck-torque",),
     "another rate": ("stream-rate",),
     "velocities of another unit": ("velocity-scale",),
@@ -206,6 +208,8 @@ def test_mistakes_of_a_stream_are_named(leg, truth, mistake):
         tau[:, 1] *= -1.0
     elif mistake == "swapped torques":
         tau = tau[:, [1, 0, 2]]
+    elif mistake == "torques of another unit":
+        tau *= 1e3
     elif mistake == "a torque that is stuck":
         tau[len(tau) // 2 :, 0] = tau[len(tau) // 2, 0]
     elif mistake == "another rate":
@@ -273,3 +277,61 @@ def test_the_last_digit_of_a_sample_changes_nothing(data):
     other.update(data.train.q[:600] * digits, None, None, data.train.tau[:600])
     np.testing.assert_allclose(other.state.std, one.state.std, rtol=1e-8)
     np.testing.assert_allclose(other.state.values, one.state.values, rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("memory", [20.0, np.inf])
+def test_a_passive_joint_is_as_in_a_log(memory):
+    leg, log = hanging_log(1, passive=True)
+    assert np.array_equal(log.tau[:, 1], np.zeros(len(log)))
+    batch = exoid.identify(leg, log, (exoid.Viscous(),))
+    settings = {"rate": log.sample_rate, "cutoff": 6.0, "memory": memory}
+    for passive, start in ((("left_knee",), None), (None, batch)):  # an estimate to begin with says which are passive
+        online = RecursiveEstimator(leg, (exoid.Viscous(),), start=start, passive=passive, **settings)
+        online.update(log.q, None, None, np.where([False, True], np.nan, log.tau), log.time)
+        found = online.estimate
+        assert found.passive == ("left_knee",)
+        assert (np.abs(found.values - np.append(leg.parameters, DAMPING)) < 4.0 * found.std).all()
+        np.testing.assert_allclose(found.value("d_knee"), DAMPING[1], rtol=0.02)
+        assert found.findings == ()
+    with pytest.raises(BadArgumentError, match="declared passive"):
+        online.update(log.q[0], None, None, np.ones(2))
+    unsaid = RecursiveEstimator(leg, **settings)
+    unsaid.update(log.q, None, None, log.tau, log.time)
+    with pytest.raises(NotIdentifiableError, match=r"kept one value while their joint moved.*passive="):
+        _ = unsaid.estimate
+    with pytest.raises(BadArgumentError, match="all joints are passive"):
+        RecursiveEstimator(leg, passive=leg.joint_names)
+
+
+def test_a_spring_at_a_passive_joint_is_said():
+    leg, log = hanging_log(1, passive=True, stiffness=16.0)
+    online = RecursiveEstimator(leg, (exoid.Viscous(),), rate=log.sample_rate, cutoff=6.0, passive=log.passive)
+    online.update(log.q, None, None, log.tau)
+    assert ("large-residual", "left_knee", "error") in [(f.kind, f.joint, f.severity) for f in online.estimate.findings]
+
+
+def test_a_continuous_joint_may_turn_many_times(leg, truth):
+    q, _, _, tau = swing(leg, truth, 10.0)
+    settings = {"terms": TERMS, "rate": RATE}
+    turned = RecursiveEstimator(leg, **settings, largest_angle=np.inf)
+    turned.update(q + 6.0 * np.pi, None, None, tau)
+    plainly = RecursiveEstimator(leg, **settings)
+    plainly.update(q, None, None, tau)
+    apart = np.abs(turned.estimate.values - plainly.estimate.values)
+    assert (apart < 0.01 * plainly.estimate.std).all()
+    with pytest.raises(UnreadableInputError, match="largest_angle"):
+        plainly.update(q + 6.0 * np.pi, None, None, tau)
+
+
+def test_stamps_that_say_another_rate_are_named_and_those_in_bursts_are_not(leg, truth):
+    q, _, _, tau = swing(leg, truth, 30.0)
+    time, number = np.arange(len(q)) / RATE, np.arange(len(q)) % 400 - 200
+    bursts = time + np.where(
+        (number >= 0) & (number < 10), (10 - number) * 0.95 / RATE, 0.0
+    )  # a bus that hung, and sends what waited
+    for stamps, pace in ((1.002 * time, 1.002), (0.5 * time, 0.5), (bursts, 1.0), (1.01 * bursts, 1.01)):
+        online = RecursiveEstimator(leg, TERMS, rate=RATE)
+        online.update(q, None, None, tau, stamps)
+        found = [finding for finding in online.findings if finding.kind == "stream-rate"]
+        assert [finding.value for finding in found] == ([pytest.approx(pace, abs=2e-4)] if pace != 1.0 else [])
+        assert all(finding.parameters == online.settings.model.names for finding in found)

@@ -59,13 +59,12 @@ class CheckedFit(NamedTuple):
         return cls(fitted, evidence, below, spread, nrmse, persistence, moving)
 
 
-def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
-    """Compare the torque of each joint with that of the URDF's inertias, friction left free."""
-    model = checked.fitted.model
+def odd_scales(model: TorqueModel, factors: Iterable[FloatArray]) -> dict[str, float]:
+    """Torques over three times those of the URDF's inertias, or less, friction left free; "" for all joints."""
     urdf, rigid = model.leg.parameters, len(model.leg.parameter_names)
     scales: dict[str, float] = {}
-    for j, (joint, label) in enumerate(zip(model.leg.joint_names, model.leg.joint_labels, strict=True)):
-        R, terms = checked.evidence.factors[j], np.flatnonzero(model.acting[j, rigid:]) + rigid
+    for j, (joint, label, R) in enumerate(zip(model.leg.joint_names, model.leg.joint_labels, factors, strict=True)):
+        terms = np.flatnonzero(model.acting[j, rigid:]) + rigid
         # A rotor that counts as inertia of a link is in no URDF: where gravity does not act, it is most of the torque.
         rotors = [name for one in model.regrouped if one.name == f"Ia_{label}" for name in one.into]
         terms = np.append(terms, [k for k, name in enumerate(model.names) if name in rotors]).astype(np.intp)
@@ -81,9 +80,15 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
     odd = {joint: scale for joint, scale in scales.items() if abs(np.log(abs(scale))) > np.log(3.0)}
     sizes = np.abs(list(odd.values()))
     if len(odd) > 1 and len(odd) == len(scales) and sizes.max() < 2.0 * sizes.min():
-        odd = {"": float(np.exp(np.mean(np.log(sizes))))}
-    for joint, signed in odd.items():
-        finding = _other_scale(joint, abs(signed), model.names)
+        return {"": float(np.exp(np.mean(np.log(sizes))))}
+    return odd
+
+
+def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
+    """Compare the torque of each joint with that of the URDF's inertias."""
+    model = checked.fitted.model
+    for joint, signed in odd_scales(model, checked.evidence.factors).items():
+        finding = other_scale(joint, abs(signed), model.names)
         if joint and finding.severity == "warning":
             scaled = [R.copy() for R in checked.evidence.factors]
             scaled[model.leg.joint_names.index(joint)][:, -1] /= abs(signed)
@@ -98,10 +103,10 @@ def torque_scale(checked: CheckedFit) -> Iterator[Finding]:
 def mass_scale(leg: Leg, values: FloatArray, names: tuple[str, ...]) -> Iterator[Finding]:
     """Compare the mass of a whole machine, the first parameter of a floating base, with that of the URDF."""
     if leg.base_rows and values[0] > 0.0 and abs(np.log(values[0] / leg.parameters[0])) > np.log(3.0):
-        yield _other_scale("", float(values[0] / leg.parameters[0]), names)
+        yield other_scale("", float(values[0] / leg.parameters[0]), names)
 
 
-def _other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
+def other_scale(joint: str, size: float, names: tuple[str, ...]) -> Finding:
     """Say that the torque of one joint, or of all, does not fit the URDF."""
     looks = "as another unit would make it"
     if 300.0 < size < 3000.0:
