@@ -4,12 +4,8 @@ EXOID_FULL_STUDIES=1 runs the study of scripts/study_torque_constants.py in full
 """
 
 import os
-import sys
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 from study_torque_constants import percentile, study
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"

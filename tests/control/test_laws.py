@@ -1,19 +1,17 @@
 """Each controller computes its equation, for one leg and for many, and refuses invalid settings."""
 
-import runpy
 import warnings
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
+import study_gains as study
 from controlled_legs import cuhk_plant, exact_estimate, random_target, true_torque
 
 from exoid import control
 from exoid.control import AHEAD, SHARP, SMOOTH, ControlModel, FrictionCompensation, State, gravity_friction_pd, pd
 
-STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_gains.py"))
 KP, KD = (22.0, 56.0), (2.2, 5.6)
 PLANT = cuhk_plant()
 
@@ -95,8 +93,8 @@ def test_negative_friction_is_compensated_only_with_a_warning():
 @pytest.mark.parametrize("seed", [3, 4])
 def test_on_own_legs_with_light_ankles_compensation_is_not_worse_than_pd(seed):
     """The ankle is held while hip and knee move: compensation at the measured velocity cancels what holds it."""
-    plant = STUDY["drawn_leg"](seed)
-    runs = STUDY["track"](plant, 4.0)
+    plant = study.drawn_leg(seed)
+    runs = study.track(plant, 4.0)
     assert "ankle" in plant.leg.joint_names
     assert (runs["desired"].peak_deg <= runs["pd"].peak_deg).all()
     assert (runs["desired"].rms_deg <= runs["pd"].rms_deg).all()

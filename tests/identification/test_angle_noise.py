@@ -5,16 +5,12 @@ runs twenty and prints the figures. The experiment is that of scripts/study_esti
 """
 
 import os
-import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from unchecked import identify
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import study_estimators as study
+from unchecked import identify
 
 FULL = os.environ.get("EXOID_FULL_STUDIES") == "1"
 REPLICATES = 20 if FULL else 2

@@ -1,11 +1,10 @@
 """Closed legs through the whole way: identify, check, save, export, command line, controllers, scenes."""
 
-import importlib
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+import study_loops
 from closed_machines import four_bar_knee, two_rod_ankle
 from swings import harmonics
 from typer.testing import CliRunner
@@ -68,9 +67,8 @@ def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
 
 
 @pytest.mark.nightly
-def test_most_intervals_of_a_machine_hold_or_miss_together_by_chance_and_not_by_a_bias(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "scripts"))
-    found = importlib.import_module("study_loops").again("four-bar knee", 900, tmp_path, 12)
+def test_most_intervals_of_a_machine_hold_or_miss_together_by_chance_and_not_by_a_bias(tmp_path):
+    found = study_loops.again("four-bar knee", 900, tmp_path, 12)
     assert found["axis"].min() > 6.0  # of 13
     assert found["exact"].max() < 0.5
     assert 0.5 < np.sqrt(np.mean(found["along"] ** 2)) < 1.5

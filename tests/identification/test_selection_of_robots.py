@@ -1,17 +1,12 @@
 """Friction selected joint by joint on simulated robots: the terms that matter, another motion, and no joint driven."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import study_selection as study
 
 import exoid
 from exoid.identification import select_terms
 from exoid.signals import ZeroPhase
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import study_selection as study
 
 
 @pytest.mark.slow

@@ -1,17 +1,12 @@
 """Sharp friction: joints of MuJoCo that stick at every reversal. The experiment is scripts/study_sharp_friction.py."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from study_sharp_friction import JOINT_LIMIT, RIGID_LIMIT, Case, record, scale, truth
 from swings import TERMS, Swing
 
 import exoid
 from exoid.torques import DEFAULT_TERMS
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from study_sharp_friction import JOINT_LIMIT, RIGID_LIMIT, Case, record, scale, truth
 
 SMOOTH = (TERMS[0], *DEFAULT_TERMS[1:])
 """Friction that is a smooth function of velocity, also at reversals."""

@@ -1,23 +1,16 @@
 """The URDFs in urdf/: their numbers, their geometry, and three libraries that must read them alike."""
 
-import importlib
 import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import make_urdfs
 import numpy as np
 import pinocchio as pin
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 URDFS = ("bleex.urdf", "bleex_identified.urdf", "cuhk.urdf", "dfki_double_pendulum.urdf")
-
-
-@pytest.fixture
-def make_urdfs(monkeypatch):
-    """The script as a module."""
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
-    return importlib.import_module("make_urdfs")
 
 
 def model_of(name: str, *, floating: bool = False) -> pin.Model:
@@ -102,6 +95,6 @@ def test_flexion_brings_the_knee_forward_and_the_shank_back(name, flexed, side):
 
 
 @pytest.mark.parametrize("name", URDFS)
-def test_the_file_is_what_the_script_writes(make_urdfs, name):
+def test_the_file_is_what_the_script_writes(name):
     assert set(make_urdfs.robots()) == set(URDFS)
     assert make_urdfs.urdf(make_urdfs.robots()[name]).encode() == (ROOT / "urdf" / name).read_bytes()

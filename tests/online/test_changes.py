@@ -1,21 +1,19 @@
 """Loads that are strapped on: found in slow gaits and early, never named wrongly, and taken off again."""
 
-import runpy
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
 import pytest
+import study_loads as study
+from study_loads import PLACE, RATE, TERMS, Walker
 
 from exoid.online import RecursiveEstimator, load_change
 
 pytestmark = pytest.mark.slow
 
-STUDY = runpy.run_path(str(Path(__file__).resolve().parents[2] / "scripts" / "study_loads.py"), run_name="study_loads")
-Walker, RATE, PLACE, TERMS = (STUDY[name] for name in ("Walker", "RATE", "PLACE", "TERMS"))
-POPULATION = [(machine, stride) for machine in STUDY["MACHINES"] for stride in STUDY["STRIDES"]]
+POPULATION = [(machine, stride) for machine in study.MACHINES for stride in study.STRIDES]
 
 
 def feed(online, samples):
@@ -46,7 +44,7 @@ def estimator(walker):
     ],
 )
 def test_a_load_is_found_within_a_stride_or_5_s(seed, stride, machine, learning):
-    found = STUDY["strap_on"](seed, stride, machine, learning=learning)
+    found = study.strap_on(seed, stride, machine, learning=learning)
     if not np.isfinite(found.error):
         pytest.skip("a joint moved one way only: nothing tells its offset from its friction")
     assert abs(found.error) < 0.1
@@ -54,10 +52,10 @@ def test_a_load_is_found_within_a_stride_or_5_s(seed, stride, machine, learning)
     assert found.names == ("load at knee",)
 
 
-@pytest.mark.parametrize("fault", STUDY["FAULTS"])
+@pytest.mark.parametrize("fault", study.FAULTS)
 @pytest.mark.parametrize("seed", [1001, 1002])
 def test_a_sensor_that_fails_is_named_and_moves_no_parameter(seed, fault):
-    found = STUDY["spoil"](seed, 1.2, "three joints", fault)
+    found = study.spoil(seed, 1.2, "three joints", fault)
     assert found.names == found.right
     assert found.warned
     assert found.after < max(4.0, 1.2 * found.before)
@@ -89,11 +87,11 @@ def test_a_load_in_the_first_strides_is_found_whatever_the_motion_was():
         loaded = walker.leg.parameters + walker.leg.reduction.collect[:, 10:20] @ body
         estimate = online.estimate
         assert (np.abs(estimate.values[:9] - loaded) < 5.0 * estimate.std[:9]).all()
-        assert STUDY["named"](online) == ("load at knee",)
+        assert study.named(online) == ("load at knee",)
 
 
 @pytest.mark.parametrize(
-    ("stride", "machine"), [(10.0, "abduction"), *((x, one) for one in STUDY["MACHINES"] for x in (1.2, 10.0))]
+    ("stride", "machine"), [(10.0, "abduction"), *((x, one) for one in study.MACHINES for x in (1.2, 10.0))]
 )
 def test_learning_a_leg_is_no_change(stride, machine):
     walker = Walker.of(1000, stride, machine)
@@ -174,7 +172,7 @@ def test_a_load_is_found_where_noise_hides_no_error_of_sampling(seed, machine):
     beside = load_change(known, online.estimate, "knee", (0.0, 0.0, -0.15))
     assert ["check the place" in str(one) for one in (found, beside)] == [False, True]
     assert beside.std > 3.0 * found.std
-    assert STUDY["named"](online) == ("load at knee",)
+    assert study.named(online) == ("load at knee",)
     assert {one.kind for one in online.findings} == {"changed-load"}
 
 
@@ -187,7 +185,7 @@ def test_a_joint_that_weighs_three_hundred_times_another_hides_no_load():
         feed(online, (count * np.round(q / count), tau))
     assert online.state.weights.max() > 100.0 * online.state.weights.min()
     assert np.isfinite(online.estimate.std).all()  # no error in a control loop, though hardly anything is known
-    assert STUDY["named"](online) == ("load at knee",)
+    assert study.named(online) == ("load at knee",)
 
 
 @pytest.mark.parametrize("size", [5.0, 20.0])

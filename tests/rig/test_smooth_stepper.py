@@ -1,19 +1,15 @@
 """Coupled motors of the stepper that studies of drives take for the truth: gears, and balance of energy."""
 
-import sys
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 from rigs import BLEEX, POSE, torque, zeros
+from smooth_stepper import CoupledMotors, SmoothStepper
 
 import exoid
 from exoid.actuators import Coupling
 from exoid.rig import IdealTorque, Plant, ProportionalDerivative, simulate
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from smooth_stepper import CoupledMotors, SmoothStepper
 
 pytestmark = pytest.mark.slow
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+import steps_on_ground as steps
 from coordinated_runs import RATES, SENSORS, loop_of, run_of
 
 from exoid import ExoidError
@@ -158,10 +157,8 @@ def test_soles_that_slip_are_noticed_and_the_law_then_uses_less_friction_than_th
 
 
 @pytest.mark.slow
-def test_it_climbs_a_stair_without_hands(monkeypatch):
+def test_it_climbs_a_stair_without_hands():
     """Two steps: the foot behind turns about its toe, and the other one lands 12 cm higher."""
-    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[3] / "scripts"))
-    steps = importlib.import_module("steps_on_ground")
     size, plant = steps.STAIRS_UP, ground.bleex_machine()
     plant = replace(plant, blocks=(Block(0.5 * size.length, 3.0, size.climb),))
     names = ("first step", "last step", "stand")

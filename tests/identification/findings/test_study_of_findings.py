@@ -3,18 +3,13 @@
 CI runs few replicates; ``python scripts/study_findings.py --seeds 20`` prints the tables.
 """
 
-import sys
-from pathlib import Path
-
-import numpy as np
-import pytest
-
-import exoid
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import fault_lists
 import faulty_logs
+import numpy as np
+import pytest
 import study_findings as study
+
+import exoid
 
 
 @pytest.mark.slow

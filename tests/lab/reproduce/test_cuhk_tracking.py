@@ -5,20 +5,16 @@ night, ten with ``EXOID_FULL_STUDIES=1``.
 """
 
 import os
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from study_wrong_models import compare, table_iii_model
 
 from exoid import reproduce
 from exoid.control import gravity_friction_pd
 from exoid.errors import ExoidError
 from exoid.lab.reproduce.cuhk_tracking import GAINS, tracking_plant
 from exoid.lab.reproduce.tracking_report import cuhk_tracking_report
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
-from study_wrong_models import compare, table_iii_model
 
 pytestmark = pytest.mark.slow
 

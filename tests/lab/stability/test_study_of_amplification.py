@@ -3,13 +3,8 @@
 CI simulates two draws of each leg; ``python scripts/study_amplification.py`` prints ten.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import study_amplification as study
 
 

@@ -1,30 +1,20 @@
 """The example that comes along: made by its script, and good enough to find the published parameters in."""
 
 import dataclasses
-import importlib.util
-from pathlib import Path
 
+import make_bleex_swing as script
 import numpy as np
 import pytest
 
 import exoid
 from exoid import published
 
-SCRIPT = Path(__file__).resolve().parents[3] / "scripts" / "make_bleex_swing.py"
 THREE_STD = 0.9973
 """Part of a normal distribution within three standard deviations."""
 
 
-@pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location("make_bleex_swing", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.mark.parametrize(("part", "seed"), [("train", 1), ("test", 2)])
-def test_the_files_begin_as_the_script_makes_them(data, script, part, seed, monkeypatch):
+def test_the_files_begin_as_the_script_makes_them(data, part, seed, monkeypatch):
     """The first second and a half, without the noise, which depends on how many samples are drawn."""
     monkeypatch.setattr(script, "TORQUE_NOISE", np.zeros(3))
     again, recording = script.record(seed, 1.5), getattr(data, part)

@@ -1,12 +1,11 @@
 """Heel and toe of a foot: links of their own, merged to a flat foot, and left with the directions they hold."""
 
-import runpy
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+import study_heel_toe as study
 from scipy.spatial.transform import Rotation
 
 import exoid
@@ -198,13 +197,12 @@ def test_switches_that_close_after_the_jolt_of_a_touch_down_are_late(late):
 @pytest.mark.parametrize(("radius", "delay"), [(5e-4, 0.0), (5e-4, 0.06), (0.02, 0.0)])
 def test_round_edges_and_late_switches_are_named(radius, delay):
     """A walk of the study, without noise of other seeds: sharp edges in time are no finding."""
-    study = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "study_heel_toe.py"))
     plant = bleex_machine()
     plant = replace(plant, soles={name: Sole(sole.points, radius) for name, sole in plant.soles.items()})
     run, late = walking(plant, 40.0), round(500.0 * delay)
     log = run.recording(GroundSensors(), 0, wrenches=("torso",))
-    contacts = {k: np.roll(x, late) for k, x in study["switches"](run).items()}
+    contacts = {k: np.roll(x, late) for k, x in study.switches(run).items()}
     log = replace(log, base=replace(log.base, calibrated=True), contacts=contacts)
-    found = exoid.identify(study["machine"](plant), log, TERMS, preparation=WALKING).findings
+    found = exoid.identify(study.machine(plant), log, TERMS, preparation=WALKING).findings
     units = {each.unit for each in found if each.kind == "contact-kind"}
     assert units == ({"s"} if delay else {"m"} if radius > 0.01 else set())

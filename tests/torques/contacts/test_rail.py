@@ -1,13 +1,12 @@
 """A leg on a rail: its base is free along one axis, and its foot rolls on the ground, a ball of 15 mm."""
 
-import sys
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
+import study_rail as study
 
 import exoid
 from exoid import signals
@@ -19,9 +18,6 @@ from exoid.leg.description import describe
 from exoid.signals.link_wrenches import wrenches_on_links
 from exoid.torques.contacts.support_model import SupportModel
 from exoid.torques.model import TorqueModel
-
-sys.path.insert(0, str(Path(__file__).parents[3] / "scripts"))
-import study_rail as study
 
 pytestmark = pytest.mark.slow
 

@@ -1,20 +1,16 @@
 """A machine on a hook, and one in flight: what each determines, and what is refused."""
 
-import sys
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+import study_suspended as study
 
 import exoid
 from exoid.errors import NotIdentifiableError, UnreadableInputError
 from exoid.leg.description import describe
 from exoid.torques.contacts.stretches import contact_of, split
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
-import study_suspended as study
 
 
 @cache
