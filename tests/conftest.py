@@ -1,6 +1,7 @@
 """Settings that every test shares."""
 
 import functools
+import json
 import os
 import sys
 from typing import NamedTuple
@@ -120,6 +121,24 @@ class Run(NamedTuple):
     code: int
     out: str
     err: str
+
+    @property
+    def printed(self):
+        """What a command printed that ended well."""
+        assert self.code == 0, self.err
+        return self.out
+
+    @property
+    def data(self):
+        """The same of ``--json``, read."""
+        return json.loads(self.printed)
+
+    @property
+    def refusal(self):
+        """The line of a command that was refused: all that it printed."""
+        assert (self.code, self.out, self.err.count("\n")) == (2, "", 1), self
+        assert self.err.startswith("exoid: ")
+        return self.err
 
 
 @pytest.fixture

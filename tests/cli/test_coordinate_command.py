@@ -1,7 +1,5 @@
 """``exoid coordinate`` runs a day, prints a table or JSON, and draws it."""
 
-import json
-
 import pytest
 
 pytest.importorskip("mujoco")
@@ -26,9 +24,7 @@ def test_a_day_is_told_right(exoid_, tmp_path, monkeypatch, plan, share):
     monkeypatch.setattr("exoid.lab.coordination.study.run_function", calibrating)
     monkeypatch.setattr("exoid.lab.coordination.day.PLAN", plan)
     options = ("--seconds", "30", "--events", "1", "--json", "--figures", str(tmp_path / "day"))
-    done = exoid_("coordinate", "cuhk", *options)
-    assert done.code == 0, done.err
-    data = json.loads(done.out)
+    data = exoid_("coordinate", "cuhk", *options).data
     assert data["mode_accuracy"] >= 0.99
     assert {name for name, _ in plan} == set(data["functions"])
     assert all(0.0 <= each["accuracy"] <= 1.0 for each in data["functions"].values())
@@ -39,6 +35,4 @@ def test_a_day_is_told_right(exoid_, tmp_path, monkeypatch, plan, share):
 @pytest.mark.parametrize("arguments", [("panda",), ("bleex", "--seconds", "3"), ("bleex", "--events", "-1")])
 def test_what_cannot_be_run_is_refused(exoid_, arguments, monkeypatch):
     monkeypatch.setattr("exoid.lab.coordination.study.calibrate", lambda plant, seed: None)
-    done = exoid_("coordinate", *arguments)
-    assert done.code == 2
-    assert len(done.err.strip().splitlines()) == 1
+    assert exoid_("coordinate", *arguments).refusal

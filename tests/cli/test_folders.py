@@ -1,6 +1,5 @@
 """Folders of logs and bags on the command line."""
 
-import json
 from pathlib import Path
 
 import pytest
@@ -31,21 +30,16 @@ def test_logs_of_a_folder_are_read_for_the_fit_alone(exoid_, folder, monkeypatch
 
 
 def test_a_folder_stands_for_its_logs(exoid_, folder):
-    code, out, _ = exoid_("identify", "bleex", "logs", "--no-check", "--json")
-    assert code == 0
-    assert [one["name"] for one in json.loads(out)["inputs"]] == ["part.1.csv", "part.2.csv", "part.10.csv"]
+    found = exoid_("identify", "bleex", "logs", "--no-check", "--json").data
+    assert [one["name"] for one in found["inputs"]] == ["part.1.csv", "part.2.csv", "part.10.csv"]
     files = [folder / f"part.{number}.csv" for number in (1, 2, 10)]
-    _, alone, _ = exoid_("identify", "bleex", *files, "--no-check", "--json")
-    assert json.loads(out)["values"] == json.loads(alone)["values"]
+    assert found["values"] == exoid_("identify", "bleex", *files, "--no-check", "--json").data["values"]
 
 
 def test_the_topic_and_the_stamps_of_a_bag_are_options(exoid_, tmp_path):
     recording = exoid.datasets.bleex_swing().train.slice(0, 1000)
     write_bag(tmp_path / "bag", {"/left": messages(recording), "/right": messages(recording)}, late=10**6)
-    code, out, err = exoid_("identify", "bleex", "bag")
-    assert (code, out) == (2, "")
-    assert err.startswith("exoid: bag: 2 topics of joint states: /left, /right")
-    assert err.count("\n") == 1
+    assert "exoid: bag: 2 topics of joint states: /left, /right" in exoid_("identify", "bleex", "bag").refusal
     assert exoid_("identify", "bleex", "bag", "--no-check", "--topic", "/right", "--received")[0] == 0
     recording.to_csv(tmp_path / "log.csv")
-    assert exoid_("identify", "bleex", "log.csv", "--topic", "/right")[0] == 2
+    assert exoid_("identify", "bleex", "log.csv", "--topic", "/right").refusal

@@ -1,6 +1,5 @@
 """A trial of a gait laboratory on the command line: angles, torques and ground forces in files of their own."""
 
-import json
 import re
 import shlex
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from log_writers import write_opensim
+from log_writers import write_columns, write_opensim
 from swings import harmonics
 
 import exoid
@@ -101,18 +100,14 @@ def trial(tmp_path):
 
 def identified(exoid_, leg):
     """Parameters of the leg that the command line finds."""
-    run = exoid_("identify", "bleex", *TRIAL, "--terms", "none", "-o", "est.json", "--json")
-    assert run.code == 0, run.err
-    found = json.loads(run.out)
+    found = exoid_("identify", "bleex", *TRIAL, "--terms", "none", "-o", "est.json", "--json").data
     assert found["inputs"][0]["name"] == "ik.mot + id.sto"
     return [found["values"][name] for name in leg.parameter_names]
 
 
 def test_a_trial_in_three_files_gives_the_leg_that_moved(exoid_, trial):
     np.testing.assert_allclose(identified(exoid_, trial), trial.parameters, rtol=5e-3, atol=2e-3)
-    run = exoid_("validate", "est.json", *TRIAL, "--json")
-    assert run.code == 0, run.err
-    assert max(json.loads(run.out)["nrmse"]) < 0.02
+    assert max(exoid_("validate", "est.json", *TRIAL, "--json").data["nrmse"]) < 0.02
 
 
 PERSON = np.array([8.0, 5.0, 0.0])
@@ -133,14 +128,9 @@ def test_the_commands_of_the_page_lead_from_three_trials_to_what_the_person_exer
         tau = torques(time, seed, load) + 0.05 * rng.standard_normal((1200, 3))
         if name == "walk":
             tau -= PERSON * np.sin(2.0 * np.pi * 0.4 * time)[:, None]
-        table, header = np.column_stack([time, tau]), ",".join(["time", *MOMENTS])
-        np.savetxt(tmp_path / f"{name}_machine.csv", table, delimiter=",", header=header, comments="")
+        write_columns(tmp_path / f"{name}_machine.csv", time=time, **dict(zip(MOMENTS, tau.T, strict=True)))
         write_plate(tmp_path / f"{name}_grf.mot", fast)
-    found = {}
-    for command in commands:
-        run = exoid_(*command, "--json")
-        assert run.code == 0, f"{command}: {run.out}{run.err}"
-        found[command[0]] = json.loads(run.out)
+    found = {command[0]: exoid_(*command, "--json").data for command in commands}
     assert max(found["validate"]["nrmse"]) < 0.05
     joints = [found["interaction"]["joints"][joint] for joint in JOINTS]
     np.testing.assert_allclose([joint["rms"] for joint in joints], PERSON / np.sqrt(2.0), rtol=0.02, atol=0.05)

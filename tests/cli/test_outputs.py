@@ -31,8 +31,7 @@ def run(inputs, tmp_path, exoid_):
 
     def _run(*words):
         before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-        code, _, line = exoid_(*words)
-        assert (code, line.count("\n")) == (2, 1), line
+        line = exoid_(*words).refusal
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
         return line
 

@@ -1,6 +1,5 @@
 """``exoid plan`` plans, writes, draws, assesses and refuses."""
 
-import json
 from functools import partial
 
 import numpy as np
@@ -29,12 +28,11 @@ def slow_log(path):
 
 @pytest.mark.slow
 def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
-    code, out, err = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figures", "drawn", "--json")
-    assert code == 0
-    assert "wrote plan.csv" in err
+    done = run("cuhk", "-o", "plan.csv", *QUICK, "--velocity", "2,3", "--figures", "drawn", "--json")
+    assert "wrote plan.csv" in done.err
     limits = MotionLimits.of(LEG, velocity=(2.0, 3.0))
     plan = plan_excitation(LEG, noise=0.3, duration=8.0, highest=0.6, starts=1, limits=limits)
-    data = json.loads(out)
+    data = done.data
     assert data["predicted_std"] == dict(zip(plan.precision.names, plan.precision.std.tolist(), strict=True))
     assert data["condition_number"] == plan.precision.condition_number
     assert data["duration"] == 8.0
@@ -45,13 +43,11 @@ def test_a_plan_is_written_printed_and_equals_the_api(run, tmp_path):
 
 def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
     slow_log(tmp_path / "slow.csv")
-    code, out, _ = run("cuhk", "--assess", "slow.csv", "--noise", "0.3")
-    assert code == 0
-    assert "cannot be determined" in out
-    assert "add 20 s: " in out
-    code, out, _ = run("cuhk", "--assess", "slow.csv", "--noise", "0.3", "--json")
+    printed = run("cuhk", "--assess", "slow.csv", "--noise", "0.3").printed
+    assert "cannot be determined" in printed
+    assert "add 20 s: " in printed
+    data = run("cuhk", "--assess", "slow.csv", "--noise", "0.3", "--json").data
     said = assess(LEG, exoid.Recording.from_csv(tmp_path / "slow.csv"), noise=0.3)
-    data = json.loads(out)
     assert {key: data[key] for key in precision_to_json(said.precision)} == precision_to_json(said.precision)
     assert data["predicted_std"]["Ia_knee"] is None
     assert data["determined"]["Ia_knee"] == "not"
@@ -61,10 +57,9 @@ def test_a_log_is_assessed_in_plain_words_and_as_json(run, tmp_path):
 @pytest.mark.slow
 def test_motions_on_each_foot_are_written_and_printed(run, tmp_path):
     quick = ("--terms", "none", "--duration", "16", "--noise", "0.3")
-    code, out, err = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figures", "drawn")
-    assert code == 0
-    assert "wrote plan_left.csv" in err
-    data = json.loads(out)
+    done = run("bleex", "--stance", "left,right", "-o", "plan.csv", *quick, "--json", "--figures", "drawn")
+    assert "wrote plan_left.csv" in done.err
+    data = done.data
     assert set(data["margins"]) == {"left", "right"}
     assert min(margin for margins in data["margins"].values() for margin in margins.values()) > 0.0
     assert set(data["determined"].values()) == {"well"}

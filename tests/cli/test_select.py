@@ -1,7 +1,5 @@
 """``exoid select`` chooses the friction of each joint, and identifies with it."""
 
-import json
-
 import pytest
 
 import exoid
@@ -12,9 +10,8 @@ from exoid import Estimate
 def test_the_choice_is_identified_and_written(exoid_, tmp_path):
     """On a part of a log."""
     part = ("--folds", "3", "--stop", "8", "--known", "Y2=0.0578", "-o", "est.json", "--json")
-    done = exoid_("select", "bleex_swing", "bleex_swing:train", *part)
-    assert done.code == 0, done.err
+    data = exoid_("select", "bleex_swing", "bleex_swing:train", *part).data
     estimate = Estimate.load(tmp_path / "est.json")
-    assert json.loads(done.out)["joint_names"] == list(estimate.joint_names)
-    assert estimate.value("Y2") == json.loads(done.out)["known"]["Y2"] == 0.0578
+    assert data["joint_names"] == list(estimate.joint_names)
+    assert estimate.value("Y2") == data["known"]["Y2"] == 0.0578
     assert (exoid.validate(estimate, exoid.datasets.bleex_swing().test).nrmse < 0.2).all()

@@ -1,6 +1,5 @@
 """``exoid track``: laws side by side on an estimate and on BLEEX, and document 2's comparison."""
 
-import json
 from functools import partial
 
 import numpy as np
@@ -36,9 +35,7 @@ def saved(tmp_path):
 
 @pytest.mark.slow
 def test_an_estimate_is_tracked_by_every_law(track, saved):
-    code, out, err = track(saved, "--period", 1, "--json", "--seed", 5)
-    assert (code, err) == (0, "")
-    data = json.loads(out)
+    data = track(saved, "--period", 1, "--json", "--seed", 5).data
     assert list(data) == ["laws", "joint_names", "torque_units", "error_units", "gains", "seed"]
     assert list(data["laws"]) == NAMES
     assert all(list(law) == METRICS for law in data["laws"].values())
@@ -55,13 +52,11 @@ def test_an_estimate_is_tracked_by_every_law(track, saved):
 
 @pytest.mark.slow
 def test_a_table_and_figures(track, saved, tmp_path):
-    code, out, err = track(saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs")
-    assert code == 0, err
-    assert "hip 30 / 3, knee 30 / 3" in out
-    for name in NAMES:
-        assert name in out
+    done = track(saved, "--period", 1, "--kp", 30, "--rate", 50, "--figures", "new/figs")
+    for words in ("hip 30 / 3, knee 30 / 3", *NAMES):
+        assert words in done.printed
     files = sorted(path.name for path in (tmp_path / "new/figs").iterdir())
-    assert err.count("wrote") == len(files) >= 5
+    assert done.err.count("wrote") == len(files) >= 5
     assert {"pd_errors.pdf", "pd_torques.pdf", "laws_peak_errors.pdf"} <= set(files)
     assert not any("fig" in file for file in files)  # a figure of another leg is none of a document
     starts = {name: (tmp_path / "new/figs" / name).read_bytes()[:5] for name in files}
@@ -74,13 +69,12 @@ def test_the_angles_of_a_log_may_be_followed(track, saved, tmp_path):
     time = np.arange(200) / 100.0
     q = np.column_stack([0.2 * np.sin(np.pi * time), 0.5 + 0.3 * np.cos(np.pi * time)])
     exoid.Recording(time, q, joint_names=("left_hip", "left_knee")).to_csv(tmp_path / "walk.csv")
-    code, out, _ = track(saved, "--reference", "walk.csv")
-    assert code == 0
-    assert "reference of 1.99 s" in out
+    printed = track(saved, "--reference", "walk.csv").printed
+    assert "reference of 1.99 s" in printed
     text = (tmp_path / "walk.csv").read_text(encoding="utf-8")
     (tmp_path / "labels.csv").write_text(text.replace("left_", ""), encoding="utf-8")
     for options in ((), ("--unmeasured", "knee"), ("--passive", "knee")):
-        assert track(saved, "--reference", "labels.csv", *options).out == out
+        assert track(saved, "--reference", "labels.csv", *options).out == printed
 
 
 def gait_log(path):
@@ -109,10 +103,9 @@ def logged(saved, tmp_path):
 @pytest.mark.slow
 def test_a_dry_run_prints_writes_and_draws_the_torque(track, saved, logged, tmp_path):
     options = ("--limit", "20,8", "--slew", 100, "-o", "commanded.csv", "--figures", "figs")
-    code, out, err = track(saved, "--dry-run", logged, *options)
-    assert code == 0, err
-    assert "gravity_support at 100 Hz would have commanded" in out
-    assert "wrote commanded.csv" in err
+    done = track(saved, "--dry-run", logged, *options)
+    assert "gravity_support at 100 Hz would have commanded" in done.printed
+    assert "wrote commanded.csv" in done.err
     assert (tmp_path / "figs" / "dry_run.pdf").read_bytes().startswith(b"%PDF")
     table = np.loadtxt(tmp_path / "commanded.csv", delimiter=",", skiprows=1)
     assert (np.abs(table[:, 1:3]).max(axis=0) <= (20.0, 8.0)).all()
@@ -121,9 +114,7 @@ def test_a_dry_run_prints_writes_and_draws_the_torque(track, saved, logged, tmp_
 
 @pytest.mark.parametrize("law", ["transparent", "feedforward_pd", "lqr", "self_tuning"])
 def test_every_controller_has_a_dry_run(track, saved, logged, law):
-    code, out, err = track(saved, "--dry-run", logged, "--law", law, "--json")
-    assert code == 0, err
-    data = json.loads(out)
+    data = track(saved, "--dry-run", logged, "--law", law, "--json").data
     assert (data["law"], data["rate"]) == (law, 100.0)
     if law == "feedforward_pd":  # the model of the log's own controller
         assert data["rms_difference"][0] < 0.1 * data["rms_recorded"][0]

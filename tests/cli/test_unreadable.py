@@ -2,8 +2,8 @@
 
 import os
 
-import numpy as np
 import pytest
+from log_writers import write_columns
 from one_joint import swing, write_urdf
 
 import exoid
@@ -47,11 +47,10 @@ def refused(inputs, tmp_path, exoid_):
         (tmp_path / name).write_bytes((inputs / name).read_bytes())
 
     def run(*words):
-        found = exoid_(*words)
-        assert (found.code, found.out, found.err.count("\n")) == (2, "", 1), found
-        assert "check this file, free space" not in found.err, "an error that only main() knows"
-        assert "[Errno" not in found.err
-        return found.err
+        line = exoid_(*words).refusal
+        assert "check this file, free space" not in line, "an error that only main() knows"
+        assert "[Errno" not in line
+        return line
 
     return run
 
@@ -84,13 +83,12 @@ def test_angles_and_commands_without_torque_end_in_what_columns_would_do(inputs,
     """The log of a position controller: it says which headers are torque, current or force."""
     log = exoid.Recording.from_csv(inputs / "log.csv")
     (name,) = log.joint_names
-    header, table = f"time,q_{name},q_cmd_{name}", np.column_stack([log.time, log.q, log.q])
-    np.savetxt(tmp_path / "commands.csv", table, delimiter=",", header=header, comments="")
-    code, out, err = exoid_(verb, str(inputs / "one.urdf"), "commands.csv")
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert err.startswith("exoid: commands.csv: there is no torque, current or force")
+    q = log.q[:, 0]
+    write_columns(tmp_path / "commands.csv", **{"time": log.time, f"q_{name}": q, f"q_cmd_{name}": q})
+    line = exoid_(verb, inputs / "one.urdf", "commands.csv").refusal
+    assert line.startswith("exoid: commands.csv: there is no torque, current or force")
     for column in (f"tau_{name}", "i_…", "f_…", "tm_…", f"--column tau_{name}=HEADER"):
-        assert column in err
+        assert column in line
 
 
 def test_what_has_no_end_is_refused_at_once(refused, tmp_path):

@@ -27,15 +27,13 @@ def command(folder, exoid_, monkeypatch):
 
 
 def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(command):
-    code, out, err = command("interaction", "worn.csv", "--json")
-    assert (code, err) == (0, "")
-    data = json.loads(out)
+    data = command("interaction", "worn.csv", "--json").data
     assert data["worn"] is True
     for figures in data["joints"].values():
         assert figures["rms"] == pytest.approx(3.0 / np.sqrt(2.0), rel=0.05)
         assert figures["peak"] == pytest.approx(3.0, abs=0.6)
         assert figures["outside_band"] > 0.9
-    assert json.loads(command("interaction", "bleex_swing:test", "--json")[1])["worn"] is False
+    assert command("interaction", "bleex_swing:test", "--json").data["worn"] is False
 
 
 def test_the_table_ends_with_the_conclusion(command):
@@ -54,8 +52,7 @@ def test_the_csv_holds_the_torque_and_its_band(command, tmp_path):
 
 
 def test_strides_give_the_phase(command):
-    _, out, _ = command("interaction", "worn.csv", "--strides", "2,4,6,8", "--json")
-    gait = json.loads(out)["gait"]
+    gait = command("interaction", "worn.csv", "--strides", "2,4,6,8", "--json").data["gait"]
     assert gait["period"] == 2.0
     assert len(gait["phase"]) == len(gait["joints"]["left_hip"]["power"]) == 20
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from log_writers import named_columns, write_columns
 from walking import Walk
 
 import exoid
@@ -17,11 +18,10 @@ def log(tmp_path):
     """A log of a swinging leg, whose hand rail writes kN and N·mm under its own names."""
     recording = Walk(exoid.load_leg("cuhk"), seconds=20.0).recording()
     wrench = np.random.default_rng(0).normal(size=(len(recording), 6)) * [0.03, 0.03, 0.1, 4e3, 4e3, 1e3]
-    names = ["time", *(f"{kind}_{joint}" for kind in ("q", "tau") for joint in recording.joint_names)]
-    names += [column.partition("=")[2].partition(":")[0] for column in COLUMNS]
-    table = np.column_stack([recording.time, recording.q, recording.tau, wrench])
-    np.savetxt(tmp_path / "walk.csv", table, delimiter=",", header=",".join(names), comments="", fmt="%.12g")
-    return tmp_path / "walk.csv", wrench
+    names = [column.partition("=")[2].partition(":")[0] for column in COLUMNS]
+    logged = named_columns(recording)
+    path = write_columns(tmp_path / "walk.csv", **logged, **dict(zip(names, wrench.T, strict=True)))
+    return path, wrench
 
 
 def test_axes_point_and_units_of_a_wrench_are_options(log):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from log_writers import write_columns
 
 from .machine import draw
 from .simulate import simulate
@@ -29,11 +29,8 @@ def run(exoid_, verb, seed, columns, *options):
         table.setdefault(f"q_{name}", angle)
     Path("leg.urdf").write_text(machine.urdf(believed=True), encoding="utf-8")
     kept = np.isfinite(table["time"])
-    rows = np.column_stack(list(table.values()))[kept]
-    np.savetxt("log.csv", rows, delimiter=",", header=",".join(table), comments="")
-    done = exoid_(verb, "leg.urdf", "log.csv", *options, "--json")
-    assert done.code == 0, done.err
-    return json.loads(done.out)
+    write_columns(Path("log.csv"), **{name: values[kept] for name, values in table.items()})
+    return exoid_(verb, "leg.urdf", "log.csv", *options, "--json").data
 
 
 def log_time(seed):

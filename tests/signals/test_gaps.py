@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from log_writers import named_columns, write_columns
 
 import exoid
 from exoid import Recording
@@ -16,12 +17,7 @@ def swing():
 def write(path, recording, rows, repeated=()):
     """Write some rows of a recording, and some twice."""
     order = np.sort(np.concatenate([np.flatnonzero(rows), np.asarray(repeated, dtype=int)]))
-    columns = {"time": recording.time}
-    for k, joint in enumerate(recording.joint_names):
-        columns |= {f"q_{joint}": recording.q[:, k], f"tau_{joint}": recording.tau[:, k]}
-    table = np.column_stack(list(columns.values()))[order]
-    np.savetxt(path, table, delimiter=",", header=",".join(columns), comments="")
-    return path
+    return write_columns(path, **{name: values[order] for name, values in named_columns(recording).items()})
 
 
 def test_a_log_with_gaps_and_repeated_stamps_gives_what_its_parts_give(tmp_path, swing):
@@ -46,9 +42,7 @@ def test_a_log_with_gaps_and_repeated_stamps_gives_what_its_parts_give(tmp_path,
 def test_the_mask_and_the_contacts_of_a_log_are_carried_over(tmp_path):
     time = np.delete(np.arange(600) / 100.0, slice(200, 250))
     columns = {"time": time, "q_knee": np.sin(time), "tau_knee": time, "contact_foot": time > 2.0, "good": time < 4.0}
-    table = np.column_stack(list(columns.values()))
-    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=",".join(columns), comments="")
-    log = Recording.from_file(tmp_path / "log.csv", gaps="split", mask="good")
+    log = Recording.from_file(write_columns(tmp_path / "log.csv", **columns), gaps="split", mask="good")
     assert len(log) == 600
     assert set(np.flatnonzero(log.mask)) == {*range(150), *range(300, 400)}
     assert log.contacts["foot"][log.time > 2.5].all()
@@ -59,10 +53,10 @@ def test_quaternions_whose_sign_changes_in_a_gap_are_one_motion(tmp_path):
     """Motion capture begins again with either sign; the log was refused for a norm of 0.04."""
     time = np.delete(np.arange(600) / 100.0, slice(200, 250))
     half, sign = 0.1 * np.sin(time), np.where(time > 2.2, -1.0, 1.0)
-    header = "time,q_knee,base_x,base_y,base_z,base_qx,base_qy,base_qz,base_qw"
-    table = np.column_stack([time, time, np.zeros((len(time), 5)), sign * np.sin(half), sign * np.cos(half)])
-    np.savetxt(tmp_path / "log.csv", table, delimiter=",", header=header, comments="")
-    log = Recording.from_file(tmp_path / "log.csv", gaps="split")
+    columns = {"time": time, "q_knee": time}
+    columns |= {f"base_{axis}": 0.0 * time for axis in ("x", "y", "z", "qx", "qy")}
+    columns |= {"base_qz": sign * np.sin(half), "base_qw": sign * np.cos(half)}
+    log = Recording.from_file(write_columns(tmp_path / "log.csv", **columns), gaps="split")
     np.testing.assert_allclose(log.base.pose.quaternion[:, 2], np.sin(0.1 * np.sin(log.time)), atol=1e-3)
 
 
@@ -80,6 +74,5 @@ def test_without_the_option_both_are_refused_and_what_is_no_log_is_refused_with_
 
 def test_the_command_line_splits_too(exoid_, tmp_path, swing):
     write(tmp_path / "log.csv", swing, abs(swing.time - swing.time[0] - 5.0) > 0.5, repeated=(50,))
-    assert exoid_("check", "bleex", "log.csv").code == 2
-    run = exoid_("identify", "bleex", "log.csv", "--gaps", "split", "--json")
-    assert run.code == 0, run.err
+    assert exoid_("check", "bleex", "log.csv").refusal
+    assert exoid_("identify", "bleex", "log.csv", "--gaps", "split", "--json").printed
