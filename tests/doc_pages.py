@@ -6,13 +6,13 @@ import io
 import json
 import os
 import re
-import subprocess
 import sys
 import webbrowser
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+import processes
 import pytest
 
 import exoid
@@ -80,14 +80,6 @@ class Page(NamedTuple):
                 shown.append(content)
         return Page(name, python, tuple(commands), tuple(shown))
 
-    def run_python(self, folder: Path) -> str:
-        """Run all Python of the page, from top to bottom, in a folder; return what it printed."""
-        return run(folder, self.python, name=self.name)
-
-    def run_commands(self, folder: Path) -> str:
-        """Run all commands of the page, one after the other, in a folder; return what they printed."""
-        return run_commands(self.commands, folder)
-
     def run(self, folder: Path) -> str:
         """Run its Python, and then its commands in the same interpreter; return what they printed."""
         return run(folder, self.python, self.commands, self.name)
@@ -121,29 +113,11 @@ def exoid_commands(block: str) -> list[str]:
     return [part for part in shell_commands(block) if part.startswith("exoid ")]
 
 
-def run_commands(commands: tuple[str, ...] | list[str], folder: Path) -> str:
-    """Run commands one after the other in one fresh interpreter; return what they printed."""
-    return run(folder, commands=commands)
-
-
 def run(folder: Path, python: str = "", commands: tuple[str, ...] | list[str] = (), name: str = "") -> str:
     """Run Python and commands in one fresh interpreter; return what they printed."""
-    command, given = [sys.executable, "-c", PROGRAM, name], json.dumps([python, commands])
     # readline, which pytest imports, puts COLUMNS behind Python's back into what a child inherits
     env = dict(os.environ)
-    done = subprocess.run(
-        command,
-        input=given,
-        cwd=folder,
-        env=env,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        check=False,
-        timeout=600,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return processes.run_python(PROGRAM, name, input=json.dumps([python, commands]), cwd=folder, env=env)
 
 
 def own_leg(folder: Path) -> None:

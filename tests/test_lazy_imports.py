@@ -2,27 +2,17 @@
 
 import ast
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from processes import run_python
 
 import exoid
 
 
-def run(program):
-    """Run Python in a fresh interpreter; return what it printed."""
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, encoding="utf-8", check=False, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def top_level(program):
     """Top-level packages that a program has imported when it ends."""
-    return set(run(f"{program}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})").split())
+    return set(run_python(f"{program}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})").split())
 
 
 def test_importing_exoid_imports_nothing_but_its_table_of_contents():
@@ -38,7 +28,7 @@ def test_a_leg_and_its_identification_import_what_they_compute_with_and_no_more(
 
 
 def test_an_identification_imports_no_part_of_scipy_that_it_does_not_use():
-    parts = run("import exoid, sys; exoid.identify, exoid.load_leg('cuhk'); print(*sys.modules)").split()
+    parts = run_python("import exoid, sys; exoid.identify, exoid.load_leg('cuhk'); print(*sys.modules)").split()
     assert not {"scipy.optimize", "scipy.stats", "scipy.signal", "scipy.interpolate"} & set(parts)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run_commands
+from doc_pages import FENCE, ROOT, SHELL, Page, exoid_commands, own_leg, real_data, run
 
 import exoid
 
@@ -35,7 +35,7 @@ def folder(tmp_path):
 
 @pytest.mark.slow
 def test_the_python_runs_from_top_to_bottom(folder):
-    out = PAGE.run_python(folder)
+    out = run(folder, PAGE.python, name=PAGE.name)
     assert "wls estimate of 20 parameters" in out
     assert "too few" in out
 
@@ -47,7 +47,7 @@ def test_the_readme_is_short():
 @pytest.mark.slow
 @pytest.mark.parametrize("block", COMMANDS)
 def test_the_commands_run(block, folder):
-    printed = run_commands(exoid_commands(block), folder)
+    printed = run(folder, commands=exoid_commands(block))
     for output in PAGE.shown:
         if output.splitlines()[0] in printed:
             assert output in printed, "the README shows what the command printed before"

@@ -2,13 +2,13 @@
 
 import ctypes
 import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from made_estimates import made
+from processes import run
 
 from exoid import Armature, Coulomb, Estimate, Leg, Stiffness, Viscous
 from exoid.codegen import CSource, c_source
@@ -40,14 +40,8 @@ def made_up(leg: Leg, terms=EVERY_TERM, seed: int = 0, **changes) -> Estimate:
 
 
 def compile_c(arguments, *sources: Path, to: Path) -> Path:
-    """Compile, and fail with what the compiler said."""
-    done = subprocess.run(
-        [str(COMPILER), *STRICT, *arguments, *map(str, sources), "-o", str(to), "-lm"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    """Compile with every warning as an error."""
+    run(COMPILER, *STRICT, *arguments, *sources, "-o", to, "-lm")
     return to
 
 

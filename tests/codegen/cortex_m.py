@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import importlib.util
 import struct
-import subprocess
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -17,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from processes import run
 
 HERE = all(importlib.util.find_spec(name) for name in ("ziglang", "unicorn"))
 
@@ -177,11 +177,5 @@ def compile_for_cortex_m(sources: Sequence[Path], functions: Sequence[str], fold
     keep = (f"-Wl,--gc-sections,-T,{folder / 'link.ld'}", *(f"-Wl,-u,{name}" for name in functions))
     entry = f"-Wl,--entry={functions[0]}"
     files = (*map(str, sources), str(folder / "unused.c"), "-lm", "-o", str(folder / "law.elf"))
-    run([*COMPILER, *flags, *keep, entry, *files])
+    run(*COMPILER, *flags, *keep, entry, *files)
     return Elf.read(folder / "law.elf")
-
-
-def run(command: Sequence[str], folder: Path | None = None) -> None:
-    """Run a command, and fail with what it said."""
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from cortex_m import Elf, Machine, run
+from cortex_m import Elf, Machine
 from doc_pages import ROOT, Page
+from processes import run
 
 from exoid import Estimate
 from exoid.control import Limited, State, gravity_friction_pd, pd
@@ -127,10 +128,8 @@ def build(folder: Path) -> tuple[Elf, Estimate]:
     """Do what the README of the example says, with Zig's compiler."""
     copy = folder / "stm32"
     shutil.copytree(EXAMPLE, copy)
-    page = Page.read("examples/stm32/README.md")
-    page.run_python(copy)
-    page.run_commands(copy)
-    run(["make", "zig", f"PYTHON={sys.executable}"], copy)
+    Page.read("examples/stm32/README.md").run(copy)
+    run("make", "zig", f"PYTHON={sys.executable}", cwd=copy)
     return Elf.read(copy / "leg.elf"), Estimate.load(copy / "est.json")
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from compiled import COMPILER, CompiledLeg, compile_c, made_up, needs_compiler, source_of
 from planar_chains import assert_relative, random_motion
+from processes import run
 
 import exoid
 from exoid import Leg
@@ -32,8 +33,7 @@ def checked(tmp_path, *flags):
 def test_it_keeps_no_state_and_needs_the_mathematical_library_only(precision, suffix, tmp_path):
     ESTIMATE.to_c(tmp_path / "leg.c", precision=precision)
     compile_c(("-O2", "-c"), tmp_path / "leg.c", to=tmp_path / "leg.o")
-    done = subprocess.run(["nm", str(tmp_path / "leg.o")], capture_output=True, text=True, check=True)
-    symbols = [line.split()[-2:] for line in done.stdout.splitlines()]
+    symbols = [line.split()[-2:] for line in run("nm", tmp_path / "leg.o").splitlines()]
     wanted = {f"{name}{suffix}" for name in ("sin", "cos", "sincos", "tanh", "fabs", "exp")} | {"_GLOBAL_OFFSET_TABLE_"}
     assert {name for kind, name in symbols if kind == "U"} <= wanted
     assert not {name for kind, name in symbols if kind.upper() in "BDCS"}, "writable data"

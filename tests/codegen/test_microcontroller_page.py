@@ -1,13 +1,13 @@
 """The page on microcontrollers does what it says: its commands, its program and its output."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
+import processes
 import pytest
 from compiled import compile_c, needs_compiler
-from doc_pages import FENCE, ROOT, Page
+from doc_pages import FENCE, ROOT, Page, run
 
 import exoid
 
@@ -23,12 +23,10 @@ def test_the_commands_and_the_program_print_what_the_page_shows(tmp_path, monkey
     programs, shown = ([text for language, text in blocks if language == kind] for kind in ("c", "text"))
     shown = [text for text in shown if not text.startswith("flash")]  # test_stm32_example.py has this block
     builds = [text for language, text in blocks if language == "bash" and text.startswith("cc ")]
-    PAGE.run_commands(tmp_path)
+    run(tmp_path, commands=PAGE.commands)
     for program, build, output, source in zip(programs, builds, shown, ("leg.c", "law.c"), strict=True):
         Path("main.c").write_text(program, encoding="utf-8")
-        done = subprocess.run(build, shell=True, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout == output
+        assert processes.run("sh", "-c", f"({build}) 2>&1") == output
         compile_c((), Path("main.c"), Path(source), to=Path("strict"))
     printed = [float(value) for value in re.findall(r": (\S+) N m", shown[0])]
     assert printed == pytest.approx(expected(exoid.Estimate.load("est.json")), abs=0.006)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from compiled import COMPILER
 from laws_of_bleex import laws, torques_in_python
+from processes import run
 
 import exoid
 from exoid import ExoidError
@@ -31,11 +32,6 @@ KINDS = {"gravity_friction_pd": ("q_d", "v_d"), "lqr": ("q_d", "v_d", "a_d"), "s
 OK, NOT_FINITE, STALE, TARGET_NOT_FINITE, TARGET_STALE = range(5)
 
 SAMPLES = 120
-
-
-def run(*command):
-    done = subprocess.run([str(each) for each in command], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.fixture(scope="module")

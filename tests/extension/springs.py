@@ -2,11 +2,11 @@
 
 import importlib.util
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
+import processes
 from swings import Swing
 
 import exoid
@@ -18,23 +18,14 @@ STIFFNESS = {"hip": 40.0, "knee": 25.0}
 """Of the end stops [N·m/rad²], at both sides from 0.3 rad on."""
 
 
-def run(*arguments, path=(), cwd: Path, code=0) -> subprocess.CompletedProcess[str]:
+def run(*arguments, path=(), **options) -> str:
     """Run Python in an interpreter of its own, with these folders on its path, and check its exit status."""
     places = [*map(str, path), str(EXOID), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
-    done = subprocess.run(
-        [sys.executable, *map(str, arguments)],
-        cwd=cwd,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
-    assert done.returncode == code, done.stdout + done.stderr
-    return done
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
+    return processes.run(sys.executable, *arguments, env=env, **options)
 
 
-def command(*arguments, **options) -> subprocess.CompletedProcess[str]:
+def command(*arguments, **options) -> str:
     """Run the command ``exoid``."""
     return run("-c", "from exoid.cli import main; main()", *arguments, **options)
 

@@ -31,7 +31,7 @@ def test_the_code_is_that_of_the_package():
 def test_the_script_of_the_page_runs_and_a_command_names_what_it_does_not_know(tmp_path, recording):
     recording.to_csv(tmp_path / "log.csv")
     (script,) = [block for block in blocks("python") if "register_term(" in block]
-    assert "mad estimate of 12 parameters" in run("-c", script, path=[PROJECT], cwd=tmp_path).stdout
-    refused = command("validate", "est.json", "log.csv", path=[PROJECT], cwd=tmp_path, code=2).stderr
+    assert "mad estimate of 12 parameters" in run("-c", script, path=[PROJECT], cwd=tmp_path)
+    refused = command("validate", "est.json", "log.csv", path=[PROJECT], cwd=tmp_path, code=2)
     (shown,) = blocks("text")
     assert refused.startswith(shown.strip().removesuffix("."))

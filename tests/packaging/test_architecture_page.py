@@ -1,11 +1,11 @@
 """The picture in docs/architecture.md shows the imports of the packages as they are."""
 
 import runpy
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from processes import run
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT, PAGE = ROOT / "scripts" / "import_graph.py", ROOT / "docs" / "architecture.md"
@@ -33,7 +33,5 @@ def test_the_table_names_every_room(script):
 
 @pytest.mark.slow
 def test_the_route_of_a_recording_is_what_the_script_prints():
-    ran = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "route.py"], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    assert ran.stdout in PAGE.read_text(encoding="utf-8"), "run scripts/route.py"
+    printed = run(sys.executable, ROOT / "scripts" / "route.py", cwd=ROOT)
+    assert printed in PAGE.read_text(encoding="utf-8"), "run scripts/route.py"

@@ -11,6 +11,7 @@ import zipfile
 import zlib
 from pathlib import Path
 
+import processes
 import pytest
 
 import exoid
@@ -45,17 +46,8 @@ pytestmark = pytest.mark.skipif(not (ROOT / "pyproject.toml").is_file(), reason=
 
 
 def run(*words, cwd, **environment):
-    done = subprocess.run(
-        [str(word) for word in words],
-        cwd=cwd,
-        env={**{k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}, **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout.strip()
+    env = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    return processes.run(*words, cwd=cwd, env={**env, **environment}).strip()
 
 
 @pytest.fixture(scope="module")

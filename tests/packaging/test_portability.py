@@ -2,11 +2,10 @@
 
 import ast
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from processes import run_python
 
 PACKAGE = Path(__file__).resolve().parents[2] / "exoid"
 MODULES = {"fcntl", "grp", "pty", "pwd", "resource", "termios", "winreg", "msvcrt"}
@@ -64,8 +63,7 @@ def test_logs_are_read_and_legs_identified_as_on_macos(tmp_path):
         "assert exoid.validate(exoid.Estimate.load('leg.json'), data.test).verdict == 'predicts'\n"
         "print(len(est.names))\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
-    assert done.stdout.split() == ["20"], done.stderr
+    assert run_python(code, cwd=tmp_path).split() == ["20"]
 
 
 def test_typing_of_the_oldest_python_has_what_is_imported_from_it():

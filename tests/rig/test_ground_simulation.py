@@ -1,7 +1,5 @@
 """A machine on the ground obeys the equation of motion, bears its weight, and keeps its books."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import mujoco
@@ -9,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from ground_machines import inverse_dynamics_residual, residual, spatial_plant
+from processes import run_python
 
 from exoid.experiments.ground import bleex_machine
 from exoid.rig import Rates
@@ -116,8 +115,7 @@ def test_a_plant_is_made_of_its_values():
 
 def test_mujoco_is_imported_by_the_first_run_only():
     program = "import sys, exoid.experiments.ground as g; g.bleex_machine(); print('mujoco' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=120)
-    assert done.stdout.strip() == "False"
+    assert run_python(program).strip() == "False"
 
 
 def test_a_chair_and_a_step_bear_what_the_ground_does_not():

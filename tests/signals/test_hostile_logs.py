@@ -15,6 +15,7 @@ import numpy as np
 import polars
 import pytest
 from log_writers import WRITERS, messages, write_bag, write_bag1
+from processes import run_python
 from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from exoid import ExoidError, Recording
@@ -92,8 +93,7 @@ def test_the_system_bounds_the_memory_beyond_the_present_one():
         "    except MemoryError: print('refused')\n"
         "print(numpy.ones(2**25).size)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["refused", str(2**25)]
+    assert run_python(code).split() == ["refused", str(2**25)]
 
 
 def test_a_reader_that_hangs_is_killed(monkeypatch):
@@ -226,8 +226,7 @@ def test_a_csv_that_would_fill_the_memory_is_refused_in_300_mb(fault, tmp_path):
         # not ru_maxrss, which begins with the memory of the process that started this one
         r"    print(re.search(r'VmHWM:\s+(\d+)', open('/proc/self/status').read())[1], error)"
     )
-    done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
-    memory, _, message = done.stdout.partition(" ")
+    memory, _, message = run_python(code, path).partition(" ")
     assert message.startswith(str(path))
     assert int(memory) < 300_000  # kB
 
