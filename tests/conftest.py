@@ -154,3 +154,10 @@ def exoid_(capsys, monkeypatch, tmp_path):
         return Run(int(stop.value.code or 0), *capsys.readouterr())
 
     return run
+
+
+@pytest.fixture
+def saved(exoid_, estimate):
+    """The estimate of the example, in ``est.json`` of the current folder."""
+    estimate.save("est.json")
+    return estimate

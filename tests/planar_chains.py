@@ -118,10 +118,10 @@ class PlanarURDF:
                 link, above = f"spacer_{joint}", above * segment.spacer
             kind = "continuous" if segment.continuous else "revolute"
             axis = segment.frame.T @ (-segment.sign * self.plane[1])
-            parts += [_link(name, segment.body), _joint(joint, kind, link, name, above.actInv(place), axis)]
+            parts += [link_text(name, segment.body), _joint(joint, kind, link, name, above.actInv(place), axis)]
             if segment.attached is not None:
                 where, body = segment.attached
-                parts += [_link(f"attached_{joint}", body)]
+                parts += [link_text(f"attached_{joint}", body)]
                 parts += [_joint(f"screw_{joint}", "fixed", name, f"attached_{joint}", where)]
             link, above = name, place
         return "\n".join([*parts, "</robot>"])
@@ -238,7 +238,7 @@ def _origin(placement: pin.SE3) -> str:
     )
 
 
-def _link(name: str, body: Body) -> str:
+def link_text(name: str, body: Body) -> str:
     entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
     inertia = " ".join(f'{key}="{float(body.inertia[index])!r}"' for key, index in entries.items())
     return (

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from planar_chains import PLANES, Body, PlanarURDF, random_chain
+from planar_chains import PLANES, Body, PlanarURDF, link_text, random_chain
 
 from exoid import Leg
 from exoid.leg.description import describe
@@ -38,14 +38,7 @@ class PlanarMachineURDF:
     @cached_property
     def text(self) -> str:
         inner = [chain.text.split('<link name="torso"/>\n')[1].removesuffix("\n</robot>") for chain in self.chains]
-        entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-        inertia = " ".join(f'{key}="{float(self.torso.inertia[index])!r}"' for key, index in entries.items())
-        centre = " ".join(repr(float(x)) for x in self.torso.centre)
-        torso = (
-            f'<link name="torso"><inertial><origin xyz="{centre}"/><mass value="{self.torso.mass!r}"/>'
-            f"<inertia {inertia}/></inertial></link>"
-        )
-        return "\n".join(['<robot name="machine">', torso, *inner, "</robot>"])
+        return "\n".join(['<robot name="machine">', link_text("torso", self.torso), *inner, "</robot>"])
 
     def leg(self, *, base: str = "floating", cumulative: bool = True) -> Leg:
         return Leg.from_description(describe(self.text, name="machine.urdf"), cumulative=cumulative, base=base)

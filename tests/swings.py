@@ -1,6 +1,6 @@
 """Motions with known derivatives, and recordings of legs whose every parameter is known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +31,14 @@ def coloured(rng, shape, memory):
     drive = rng.standard_normal(shape)
     drive[1:] *= np.sqrt(1.0 - memory**2)
     return lfilter([1.0], [1.0, -memory], drive, axis=0)
+
+
+def late(recording, seconds, joints):
+    """Delay torques."""
+    tau = np.array(recording.tau)
+    for joint in joints:
+        tau[:, joint] = np.interp(recording.time - seconds, recording.time, tau[:, joint])
+    return replace(recording, tau=tau)
 
 
 @dataclass(frozen=True, eq=False)

@@ -98,30 +98,24 @@ def test_identify_predicts_logs_that_it_does_not_fit(exoid_, estimate, data):
     assert found["values"] == pytest.approx(dict(zip(estimate.names, estimate.values, strict=True)))
 
 
-@pytest.fixture
-def saved(tmp_path, estimate):
-    estimate.save(tmp_path / "leg.json")
-    return "leg.json"
+def test_validate_prints_the_validation_or_json(exoid_, data, saved):
+    expected = exoid.validate(saved, data.test)
+    assert exoid_("validate", "est.json", TEST) == (0, f"{expected}\n", "")
+    assert exoid_("validate", "est.json", TEST, "--json").data == expected.to_json()
 
 
-def test_validate_prints_the_validation_or_json(exoid_, estimate, data, saved):
-    expected = exoid.validate(estimate, data.test)
-    assert exoid_("validate", saved, TEST) == (0, f"{expected}\n", "")
-    assert exoid_("validate", saved, TEST, "--json").data == expected.to_json()
-
-
-def test_validate_reads_logs_as_identify_does(exoid_, estimate, data, saved, tmp_path):
+def test_validate_reads_logs_as_identify_does(exoid_, data, saved, tmp_path):
     degrees = {"q": np.rad2deg(data.test.q), "largest_angle": np.inf}
     log = Recording(data.test.time, tau=data.test.tau, joint_names=data.test.joint_names, **degrees)
     write(tmp_path / "log.csv", log, q_left_hip="angle")
     options = ("--column", "q_left_hip=angle", "--degrees", "--start", "2", "--stop", "12", "--json")
-    run = exoid_("validate", saved, "log.csv", *options)
-    expected = exoid.validate(estimate, data.test.between(2.0, 12.0))
+    run = exoid_("validate", "est.json", "log.csv", *options)
+    expected = exoid.validate(saved, data.test.between(2.0, 12.0))
     np.testing.assert_allclose(run.data["nrmse"], expected.nrmse, rtol=1e-9)
 
 
 def test_validate_against_a_constant_torque_prints_json_that_is_json(exoid_, data, saved, tmp_path):
     tau = np.zeros_like(data.test.tau)
     write(tmp_path / "log.csv", Recording(data.test.time, data.test.q, tau=tau, joint_names=data.leg.joint_names))
-    run = exoid_("validate", saved, "log.csv", "--json")
+    run = exoid_("validate", "est.json", "log.csv", "--json")
     assert json.loads(run.out, parse_constant=pytest.fail)["nrmse"] == [None, None, None]

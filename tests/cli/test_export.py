@@ -9,13 +9,6 @@ from exoid import Leg
 from exoid.estimate.finding import Finding
 
 
-@pytest.fixture
-def saved(exoid_, estimate):
-    """An estimate in a file, in an empty folder that is the current one."""
-    estimate.save("est.json")
-    return estimate
-
-
 def test_export_writes_a_urdf_and_says_so(saved, tmp_path, exoid_):
     code, out, err = exoid_("export", "est.json", "-o", "leg.urdf")
     assert (code, err) == (0, "")
@@ -29,18 +22,17 @@ def test_export_writes_a_urdf_and_says_so(saved, tmp_path, exoid_):
     assert again.parameters == pytest.approx(saved.leg.parameters, rel=1e-12)
 
 
-def test_errors_of_an_estimate_are_repeated_by_what_uses_it(estimate, exoid_):
-    wrong = Finding("torque-sign", estimate.joint_names[1], -1.0, "1", "error", "the other sign fits", "negate it")
-    replace(estimate, findings=(wrong,)).save("wrong.json")
-    estimate.save("est.json")
+def test_errors_of_an_estimate_are_repeated_by_what_uses_it(saved, exoid_):
+    wrong = Finding("torque-sign", saved.joint_names[1], -1.0, "1", "error", "the other sign fits", "negate it")
+    replace(saved, findings=(wrong,)).save("wrong.json")
     for verb in (("export", "wrong.json", "--c", "leg.c"), ("compare", "wrong.json", "est.json")):
         _, _, err = exoid_(*verb)
         assert f"wrong.json: {wrong}" in err
 
 
 def test_export_as_json_says_what_is_in_the_file(saved, exoid_):
-    found = exoid_("export", "est.json", "-o", "leg.urdf", "--json").data
-    assert found == json.loads(json.dumps(saved.to_urdf("leg.urdf").to_json()))
+    done = exoid_("export", "est.json", "-o", "leg.urdf", "--json")
+    assert (done.data, done.err) == (json.loads(json.dumps(saved.to_urdf("leg.urdf").to_json())), "")
 
 
 def test_export_refuses_masses_beyond_a_factor_and_allows_them_by_one(saved, tmp_path, exoid_):

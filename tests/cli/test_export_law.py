@@ -32,12 +32,6 @@ def estimate(data):
     return exoid.identify(data.leg, data.train, check=False)
 
 
-@pytest.fixture
-def saved(estimate, exoid_):
-    estimate.save("est.json")
-    return estimate
-
-
 def gait_of(estimate):
     return gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
 

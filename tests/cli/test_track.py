@@ -35,7 +35,9 @@ def saved(tmp_path):
 
 @pytest.mark.slow
 def test_an_estimate_is_tracked_by_every_law(track, saved):
-    data = track(saved, "--period", 1, "--json", "--seed", 5).data
+    done = track(saved, "--period", 1, "--json", "--seed", 5)
+    assert done.err == ""
+    data = done.data
     assert list(data) == ["laws", "joint_names", "torque_units", "error_units", "gains", "seed"]
     assert list(data["laws"]) == NAMES
     assert all(list(law) == METRICS for law in data["laws"].values())

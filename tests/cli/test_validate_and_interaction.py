@@ -27,7 +27,9 @@ def command(folder, exoid_, monkeypatch):
 
 
 def test_the_json_has_figures_of_each_joint_and_whether_the_leg_is_worn(command):
-    data = command("interaction", "worn.csv", "--json").data
+    done = command("interaction", "worn.csv", "--json")
+    assert done.err == ""
+    data = done.data
     assert data["worn"] is True
     for figures in data["joints"].values():
         assert figures["rms"] == pytest.approx(3.0 / np.sqrt(2.0), rel=0.05)

@@ -12,10 +12,9 @@ from exoid.view.scenes.server import SceneServer
 
 
 @pytest.fixture
-def view(exoid_, estimate):
+def view(exoid_, saved):
     """Run ``exoid view ARGUMENTS`` in a folder with an estimate and a URDF."""
-    estimate.save("est.json")
-    Path("leg.urdf").write_text(estimate.model.leg.description.text, encoding="utf-8")
+    Path("leg.urdf").write_text(saved.model.leg.description.text, encoding="utf-8")
     return partial(exoid_, "view")
 
 

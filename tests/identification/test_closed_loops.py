@@ -1,16 +1,12 @@
 """Closed legs through the whole way: identify, check, save, export, command line, controllers, scenes."""
 
-import json
-
 import numpy as np
 import pytest
 import study_loops
 from closed_machines import four_bar_knee, two_rod_ankle
 from swings import harmonics
-from typer.testing import CliRunner
 
 import exoid
-from exoid.cli.app import app
 from exoid.control import ControlModel
 from exoid.identification.findings.checkup import signal_findings
 from exoid.identification.findings.timing import loop_gaps
@@ -114,18 +110,12 @@ def test_a_torque_at_a_passive_joint_is_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_command_line_takes_loops(tmp_path):
+def test_the_command_line_takes_loops(exoid_, tmp_path):
     leg = four_bar_knee(0).leg(tmp_path)
     for seed in (0, 1):
         swing(leg, seed, 1e-3, ("rear_pin",)).to_csv(tmp_path / f"{seed}.csv")
-    urdf, loops, est = (str(tmp_path / name) for name in ("leg.urdf", "loops.toml", "est.json"))
-    logs = [str(tmp_path / f"{seed}.csv") for seed in (0, 1)]
-    run = CliRunner().invoke(app, ["identify", urdf, logs[0], "--loops", loops, "-o", est, "--terms", "viscous"])
-    assert run.exit_code == 0, run.output
-    run = CliRunner().invoke(app, ["validate", est, logs[1], "--json"])
-    assert run.exit_code == 0, run.output
-    run = CliRunner().invoke(app, ["check", urdf, logs[0], "--loops", loops, "--json"])
-    assert run.exit_code == 0, run.output
-    assert json.loads(run.stdout) is not None
-    run = CliRunner().invoke(app, ["identify", urdf, logs[0], "--loops", urdf])
-    assert isinstance(run.exception, exoid.errors.UnreadableInputError)
+    options = ("leg.urdf", "0.csv", "--loops", "loops.toml")
+    assert exoid_("identify", *options, "-o", "est.json", "--terms", "viscous").printed
+    assert exoid_("validate", "est.json", "1.csv", "--json").data
+    assert exoid_("check", *options, "--json").data is not None
+    assert "leg.urdf" in exoid_("identify", "leg.urdf", "0.csv", "--loops", "leg.urdf").refusal

@@ -29,21 +29,15 @@ NOISES = {"left": Noise((0.3, 0.2, 0.1), np.exp(-0.02 / 0.05)), "right": Noise((
 def replicate(sides, count):
     """Estimates of both legs together, each from other noise."""
     legs, rng = {side: session.leg for side, session in sides.items()}, np.random.default_rng(11)
-    clean = {side: session.recording() for side, session in sides.items()}
     return [
-        identify(legs, {side: noisy(clean[side], rng, NOISES[side]) for side in sides}, TERMS) for _ in range(count)
+        identify(legs, {side: session.recording(rng, NOISES[side]) for side, session in sides.items()}, TERMS)
+        for _ in range(count)
     ]
 
 
 @pytest.fixture(scope="module")
 def replicates(sides):
     return replicate(sides, REPLICATES)
-
-
-def noisy(recording, rng, noise):
-    tau = recording.tau + noise.draw(rng, recording.tau.shape)
-    arrays = {"time": recording.time, "q": recording.q, "v": recording.v, "a": recording.a}
-    return exoid.Recording(**arrays, tau=tau, joint_names=recording.joint_names)
 
 
 @pytest.mark.nightly

@@ -26,6 +26,12 @@ def runs(exo, lean, seed):
     return [both, left, mirrored(other)]
 
 
+def deviation(estimate, exo):
+    """Root mean square of the errors of all parameters over their standard deviations."""
+    truth = [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]
+    return np.sqrt(np.mean(np.square((estimate.values - truth) / estimate.std)))
+
+
 def with_imu(log, seed, noise=1.0):
     rng = np.random.default_rng(seed)
     gyro = log.base.angular_velocity + 0.005 * noise * rng.standard_normal((len(log.base), 3)) + (0.0, 0.01, 0.0)
@@ -57,8 +63,7 @@ def test_feet_on_ground_that_leans_are_no_bias_of_an_imu(exo, degrees):
     """A bias of 0.5 m/s² that level feet would tell moved the mass by 1 %; the torques say that the ground leans."""
     measured = [with_imu(log, k) for k, log in enumerate(runs(exo, np.deg2rad(degrees), 1000))]
     estimate = exoid.identify(exo, measured, TERMS, check=False)
-    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
-    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    assert deviation(estimate, exo) < 1.4
     biases = [one.value for one in estimate.findings if one.kind == "imu-bias"]
     np.testing.assert_allclose(biases, np.hypot(0.1, 0.15), atol=0.01)
     leans = [one for one in estimate.findings if one.kind in ("base-from-feet", "imu-position")]
@@ -70,8 +75,7 @@ def test_a_lean_counts_for_logs_with_and_without_an_imu(exo):
     every = runs(exo, np.deg2rad(-3.0), 1000)
     mixed = [with_imu(every[0], 0), *(log.recording for log in every[1:])]
     estimate = exoid.identify(exo, mixed, TERMS, check=False)
-    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
-    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    assert deviation(estimate, exo) < 1.4
     (bias,) = (one for one in estimate.findings if one.kind == "imu-bias")
     assert bias.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.03)  # not 0.6, as of level ground
     (leans,) = (one for one in estimate.findings if one.kind == "base-from-feet")
@@ -108,10 +112,9 @@ def rocking_logs(exo, sole, plates=False):
 def test_feet_that_rock_without_an_imu_are_named_and_intervals_hold(exo, sole, plates):
     """Masses were wrong by up to 90 % at narrow intervals while such feet counted as flat."""
     estimate = exoid.identify(exo, rocking_logs(exo, sole, plates), TERMS, check=False)
-    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
     named = [one for one in estimate.findings if one.kind == "rocking-foot"]
     assert len(named) == (sole is rocking)
-    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    assert deviation(estimate, exo) < 1.4
     if named:
         assert named[0].value == pytest.approx(0.008, rel=0.1)
         assert named[0].severity == "warning"
@@ -139,8 +142,7 @@ def test_feet_that_rock_tell_no_bias(exo):
         measured.append(with_imu(mirrored(log) if k else log, k))
     whole = with_imu(standing(exo, "both", seconds=10.0, seed=32, noise=0.4, encoder=1e-4, friction=friction), 2)
     estimate = exoid.identify(exo, [whole, *measured], TERMS, check=False)
-    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
-    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    assert deviation(estimate, exo) < 1.4
     (finding,) = (one for one in estimate.findings if one.kind == "imu-bias")
     low, high = finding.interval
     assert low < np.hypot(0.1, 0.15) < high
@@ -162,8 +164,7 @@ def test_rests_that_differ_tell_no_bias_and_are_named(exo):
     (rocking,) = (one for one in estimate.findings if one.kind == "rocking-foot")
     assert rocking.severity == "warning"
     assert rocking.value == pytest.approx(0.0086, rel=0.1)  # of -10, 0 and 10 mrad, a third of the time each
-    deviations = (estimate.values - [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]) / estimate.std
-    assert np.sqrt(np.mean(np.square(deviations))) < 1.4
+    assert deviation(estimate, exo) < 1.4
 
 
 @pytest.fixture(scope="module")

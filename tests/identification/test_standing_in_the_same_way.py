@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from swings import late
 
 import exoid
 from exoid.experiments.ground import bleex_machine, single_support, squats_and_shifts, swing
@@ -26,18 +27,11 @@ def logs(runs, seed):
     return [run.recording(seed=seed + k, wrenches=("torso",) if k > 1 else ()) for k, run in enumerate(runs)]
 
 
-def late(log, joint):
-    """The log with the torque of a joint too late."""
-    tau = np.array(log.tau)
-    tau[:, joint] = np.interp(log.time - LATE, log.time, tau[:, joint])
-    return dataclasses.replace(log, tau=tau)
-
-
 def test_a_torque_that_is_late_beside_contacts_is_found_and_shifted(exo, runs):
     on_time = logs(runs, 0)
     right = exoid.identify(exo, on_time, TERMS, delay="auto", check=False)
     assert not right.torque_delays.any()
-    found = exoid.identify(exo, [late(log, 1) for log in on_time], TERMS, delay="auto", check=False)
+    found = exoid.identify(exo, [late(log, LATE, [1]) for log in on_time], TERMS, delay="auto", check=False)
     np.testing.assert_allclose(found.torque_delays, [0.0, LATE, 0.0, 0.0, 0.0, 0.0], atol=3e-4)
     (finding,) = [one for one in found.findings if one.kind == "torque-delay"]
     assert (finding.joint, finding.severity) == ("left_knee", "info")

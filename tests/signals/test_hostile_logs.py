@@ -53,32 +53,22 @@ def test_one_child_serves_many_files_and_returns_what_readers_do(tmp_path, monke
     assert first["pid"] != os.getpid()
 
 
-@posix
-@pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGABRT, signal.SIGKILL])
-def test_a_reader_that_dies_ends_in_one_line_and_the_next_file_is_read(number):
-    with pytest.raises(ExoidError, match=f"log.bad: its reader died \\({number.name}\\)"):
-        read_in_child(hostile_readers.die, "log.bad", number=int(number))
-    assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
-
-
 @pytest.mark.parametrize(
-    ("reader", "match"),
+    ("reader", "arguments", "match"),
     [
-        (hostile_readers.leave, r"log.bad: its reader died \(status 3\)"),
-        (hostile_readers.refuse, "^log.bad: bad. To fix it: mend it$"),
-        (hostile_readers.fail, "log.bad: cannot be read as a log: any other"),
+        *(
+            pytest.param(hostile_readers.die, {"number": int(each)}, rf"died \({each.name}\)", marks=posix)
+            for each in (signal.SIGSEGV, signal.SIGABRT, signal.SIGKILL)
+        ),
+        pytest.param(hostile_readers.fill_memory, {}, "too large for the memory", marks=linux),
+        (hostile_readers.leave, {}, r"log.bad: its reader died \(status 3\)"),
+        (hostile_readers.refuse, {}, "^log.bad: bad. To fix it: mend it$"),
+        (hostile_readers.fail, {}, "log.bad: cannot be read as a log: any other"),
     ],
 )
-def test_whatever_a_reader_does_ends_in_one_line(reader, match):
+def test_whatever_a_reader_does_ends_in_one_line_and_the_next_file_is_read(reader, arguments, match):
     with pytest.raises(ExoidError, match=match):
-        read_in_child(reader, "log.bad")
-    assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
-
-
-@linux
-def test_a_reader_that_fills_the_memory_is_stopped():
-    with pytest.raises(ExoidError, match="too large for the memory"):
-        read_in_child(hostile_readers.fill_memory, "log.bad")
+        read_in_child(reader, "log.bad", **arguments)
     assert read_in_child(hostile_readers.echo, "good")["file"] == "good"
 
 

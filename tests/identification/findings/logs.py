@@ -28,14 +28,6 @@ def with_column(recording, quantity, joint, change):
     return dataclasses.replace(recording, **{quantity: x})
 
 
-def late(recording, seconds, joints):
-    """Delay torques."""
-    tau = np.array(recording.tau)
-    for joint in joints:
-        tau[:, joint] = np.interp(recording.time - seconds, recording.time, tau[:, joint])
-    return dataclasses.replace(recording, tau=tau)
-
-
 def kinds(findings):
     """Kinds of findings that are more than information."""
     return {finding.kind for finding in findings if finding.severity != "info"}

@@ -5,7 +5,8 @@ import dataclasses
 import mujoco
 import numpy as np
 import pytest
-from logs import clean, kinds, late
+from logs import clean, kinds
+from swings import late
 
 import exoid
 from exoid.signals.datasets import bleex_swing

@@ -5,7 +5,8 @@ import json
 
 import numpy as np
 import pytest
-from logs import clean, late, of_kind, with_column
+from logs import clean, of_kind, with_column
+from swings import late
 
 import exoid
 from exoid.estimate.finding import Finding, ordered

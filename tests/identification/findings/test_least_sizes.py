@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from logs import clean, late, of_kind, with_column
-from swings import Swing
+from logs import clean, of_kind, with_column
+from swings import Swing, late
 
 import exoid
 

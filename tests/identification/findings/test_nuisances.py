@@ -4,8 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from logs import clean, late, of_kind
+from logs import clean, of_kind
 from public_robots import urdf_of
+from swings import late
 
 import exoid
 from exoid.identification.findings.columns import Column, NuisanceColumns

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from logs import clean, late, of_kind, with_column
-from swings import Swing
+from logs import clean, of_kind, with_column
+from swings import Swing, late
 
 import exoid
 from exoid.signals import zero_phase

@@ -4,7 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from logs import clean, kinds, late, of_kind
+from logs import clean, kinds, of_kind
+from swings import late
 
 import exoid
 
