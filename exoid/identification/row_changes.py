@@ -219,7 +219,7 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
     model = fitted.problem.groups[parts[0]].model
     # beside the fault of a single joint, which another sign may look like, signs were tried
     named = any(one.kind in KINDS for one in fitted.findings)
-    best = None if named else best_reading(fitted.problem, parts)
+    best = None if named else best_reading(fitted.problem, parts)[0]
     if best is not None:
         text = f"{best.message}: the log fits by far better; interchanged feet, or angles, may look alike"
         yield Finding(best.kind, best.joint, best.value or 1.0, "1", "error", text, best.remedy, parameters=model.names)
@@ -232,22 +232,25 @@ def torque_findings(fitted: Fitted, parts: Sequence[int]) -> Iterator[Finding]:
             yield Finding("torque-delay", joint, float(delay), "s", "warning", text, kind.remedy, interval)
 
 
-def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None = None) -> Reading | None:
-    """Reading of the torques that fits by far better than a poor log as it is, and than a rival, if any."""
+def best_reading(problem: Problem, parts: Sequence[int], rival: Problem | None = None) -> tuple[Reading | None, float]:
+    """Reading of the torques that fits by far better than a poor log as it is, and than a rival; log gain of that."""
     plain, *others = readings(problem.groups[parts[0]].model.leg)
     signs = [one for one in others if one.kind != "torque-scale"]  # another scale only parts a torque from the others
     of_torques = [one for one in signs if (one.angles, one.angle_order) == (plain.angles, plain.angle_order)]
-    as_logged, torques = _misfit(problem, parts), rms_residuals(problem, parts, np.zeros(len(problem.names)))
+    zero, best, rivals = np.zeros(len(problem.names)), None, 0.0
+    as_logged, torques = _misfit(problem, parts), rms_residuals(problem, parts, zero)
     if as_logged is None or not (as_logged > 0.25 * POOR * torques)[torques > 0.0].any():
-        return None
-    best, most = None, 2.0 * np.log(FITS_BETTER)
+        return None, rivals
     if rival is not None and (misfit := _misfit(rival, parts)) is not None:
-        most = max(most, float(np.sum(np.log(as_logged / misfit))) + 2.0 * np.log(CLEARLY))
+        # wrenches that are taken for small ones leave small residuals, too
+        level = np.maximum(rms_residuals(rival, parts, zero), TINY) / np.maximum(torques, TINY)
+        rivals = float(np.sum(np.log(as_logged / misfit * level)))
+    most = max(2.0 * np.log(FITS_BETTER), rivals + 2.0 * np.log(CLEARLY))
     for reading in of_torques:
         misfit = _misfit(problem, parts, reading)
         if misfit is not None and (gain := float(np.sum(np.log(as_logged / misfit)))) > most:
             best, most = reading, gain + 2.0 * np.log(CLEARLY)
-    return best
+    return best, rivals
 
 
 def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = None) -> FloatArray | None:
@@ -265,6 +268,8 @@ def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = No
         values = wls(problem).solution.values
     except (ExoidError, np.linalg.LinAlgError):
         return None
+    if reading is not None and problem.names[0].startswith(("M", "m_")) and values[0] < 0.0:
+        return None  # wrenches have the wrong sign, not torques: the whole machine would weigh less than nothing
     return np.maximum(rms_residuals(problem, parts, values), 1e-9)
 
 

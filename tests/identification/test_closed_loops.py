@@ -64,7 +64,7 @@ def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
 
 @pytest.mark.nightly
 def test_most_intervals_of_a_machine_hold_or_miss_together_by_chance_and_not_by_a_bias(tmp_path):
-    found = study_loops.again("four-bar knee", 900, tmp_path, 12)
+    found = study_loops.again("four-bar knee", 900, tmp_path, 12, motions=2)
     assert found["axis"].min() > 6.0  # of 13
     assert found["exact"].max() < 0.5
     assert 0.5 < np.sqrt(np.mean(found["along"] ** 2)) < 1.5

@@ -5,6 +5,7 @@ All machines have seeds to tune on.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -158,6 +159,18 @@ def test_a_healthy_machine_has_no_such_finding(seed, kind):
 def test_a_mistake_is_named_beside(seed, mistake, joint, kind):
     found = {(one.kind, one.joint): one.severity for one in findings(seed, mistake, joint)}
     assert found[kind, f"j{joint + 1}"] == "error" or kind == "unmodelled-force"
+
+
+@pytest.mark.parametrize(("torques", "wrenches"), [(-1.0, 1.0), (1.0, -1.0), (1.0, 1.1)])
+def test_torques_and_wrenches_of_a_floating_machine_are_told_apart(torques, wrenches):
+    """Wrenches that are taken for none leave hardly a residual: all torques with the wrong sign were called so."""
+    machine = draw(4)
+    leg, log = machine.leg(), simulate(machine, 12.0).recording
+    scaled = {k: replace(x, force=wrenches * x.force, moment=wrenches * x.moment) for k, x in log.wrenches.items()}
+    found = exoid.check(leg, replace(log, tau=torques * log.tau, wrenches=scaled))
+    assert [one.kind for one in found if one.kind in ("torque-sign", "known-torque")] == [
+        "torque-sign" if torques < 0.0 else "known-torque"
+    ]
 
 
 @cache
