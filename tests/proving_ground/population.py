@@ -149,9 +149,9 @@ def spring(recording: Recording, joint: int) -> Recording:
 
 
 def mixed(recording: Recording, joint: int) -> Recording:
-    """Log a share of a neighbour's torque, too."""
+    """Log a share of a neighbour's torque, too: at most all of it, as no sensor sees more."""
     other = recording.tau[:, joint - 1 if joint else 1]
-    return column("tau", lambda x, _: x + 0.3 * x.std() / max(other.std(), 1e-9) * other)(recording, joint)
+    return column("tau", lambda x, _: x + min(0.3 * x.std() / max(other.std(), 1e-9), 1.0) * other)(recording, joint)
 
 
 def without_gravity(machine: Machine, recording: Recording) -> Recording:
