@@ -82,16 +82,21 @@ def selection(outcomes: Sequence[Outcome]) -> str:
     return table(("selection joint by joint", "NRMSE"), rows)
 
 
+def counted(named: int, count: int, shown: int) -> str:
+    """How many mistakes are named, of all and of those that show in the log."""
+    return f"{named} of {count} named" + f"; {named} of {shown} that show" * bool(count - shown)
+
+
 def doctor(outcomes: Sequence[Outcome]) -> str:
     """Mistakes that are named, and findings on logs without mistakes."""
-    rows = []
-    for mistake in MISTAKES:
+    rows, total = [], np.zeros(3, dtype=int)  # that are named, all, and those that show
+    for mistake in (each for each in MISTAKES if any(each in o.named for o in outcomes)):
         named = [o.named[mistake] for o in outcomes if mistake in o.named]
         unseen = sum(o.shown.get(mistake, SHOWN) < SHOWN for o in outcomes)
-        text = f"{sum(named)} of {len(named)} named" + f"; {sum(named)} of {len(named) - unseen} that show" * bool(
-            unseen
-        )
-        rows += [(mistake, text)] * bool(named)
+        counts = np.array([sum(named), len(named), len(named) - unseen])
+        rows.append((mistake, counted(*counts)))
+        total += counts
+    rows.append(("all mistakes", counted(*total)))
     judged = [o for o in outcomes if "checked, wls" in o.nrmse]
     for severity in ("error", "warning"):
         false = [o for o in judged if severity in {s for s, _ in o.false}]
