@@ -137,7 +137,8 @@ class SelfTuning:
         factor = np.asarray(np.linalg.qr(np.vstack([belief(self.settings, online), prior]), mode="r"))
         inverse, leg = np.linalg.inv(factor[:-1, :-1]), self.settings.model.leg
         found = inverse @ factor[:-1, -1]
-        found[self.settings.model.nonnegative] = np.maximum(found[self.settings.model.nonnegative], 0.0)
+        least = np.where(self.settings.model.nonnegative, np.minimum(self.source.values, 0.0), -np.inf)
+        found = np.maximum(found, least)  # what began below zero, and is known too well to rise, holds up no other
         bodies = slice(len(leg.parameter_names))
         if leg.chain is None or not check_physical(leg, found[bodies]):  # in space the check is a lift, too
             found[bodies] = lift(leg, found[bodies], inverse[bodies] @ inverse[bodies].T).values
@@ -207,7 +208,7 @@ def self_tuning(
     rubbing = np.flatnonzero(known.model.friction)
     covariance[rubbing, rubbing] += (friction * known.values[rubbing]) ** 2
     # The cut-off is what the rate can carry. Noise of the angles costs the law more than a harmonic that is missing
-    settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5), flat=False)
+    settings = Settings(model=known.model, rate=rate, cutoff=min(8.0, rate / 12.5), flat=False, passive=model.passive)
     return SelfTuning(replace(feedback, model=model), replace(known, covariance=covariance), settings)
 
 

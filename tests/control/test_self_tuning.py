@@ -69,6 +69,14 @@ def test_a_payload_is_found_and_the_mass_matrix_stays_positive_definite():
     assert values[:, [name.startswith(("c0", "d", "Ia")) for name in law.names]].min() >= -1e-9
 
 
+def test_a_rotor_that_is_known_too_well_and_negative_holds_up_no_link():
+    known = exact_estimate()
+    values = np.where(np.array(known.names) == "Ia_knee", -1e-4, known.values)
+    law = self_tuning(replace(known, values=values, covariance=np.zeros_like(known.covariance)), KP, KD)
+    place = law.names.index("X2")
+    assert fed(law, 6.0, heavy_rig())[-1].values[place] - values[place] == pytest.approx(0.45, abs=0.03)
+
+
 def test_wild_torques_leave_the_parameters_within_their_bounds(monkeypatch):
     """A drive that makes ten times the torque requested: no parameter leaves its bound, and M(q) stays positive."""
     monkeypatch.setattr(sys.modules[SelfTuning.__module__], "BOUND", 0.5)
