@@ -62,11 +62,11 @@ def described(change: Change, evidence: Evidence, model: TorqueModel, columns: S
         unit, what = model.units[column], model.names[column]
     else:
         kind, joint, _ = columns[column - count]
-        if kind == "gains":
-            return Nuisance("change", "", -1, "1", own, f"{change.when}, the scale of all torques")
         angle = "rad" if turning_joints(model.leg)[joint] else "m"
-        unit, what = ("1", "the scale of the torque") if kind == "gain" else (angle, "the offset of the angle")
-        what = f"{what} of {names[joint]}"
+        unit, what = {"g": ("1", "scale"), "d": ("s", "delay"), "z": (angle, "offset")}[kind[0]]
+        if kind in ("gains", "delays"):
+            return Nuisance("change", "", -1, unit, own, f"{change.when}, the {what} of all torques")
+        what = f"the {what} of the {'angle' if kind == 'zero' else 'torque'} of {names[joint]}"
     return Nuisance("change", names[joint], joint, unit, own, f"{change.when}, {what}")
 
 
@@ -82,7 +82,8 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
     # what carries the scale of all, a payload or a measured wrench, is in few logs: there a small one moves all far
     carries = any(one.kind == "known" for one in nuisances)
     offsets = {name for block in model.blocks if isinstance(block.term, Offset) for name in block.names}
-    tested, loads = np.array([*free, *zeros, *gains], dtype=np.intp), _loads(model.leg)
+    late = [count + k for k, one in enumerate(nuisances) if one.kind in ("delay", "delays")]
+    tested, loads = np.array([*free, *zeros, *gains, *late], dtype=np.intp), _loads(model.leg)
     blocks, products = _products(state, tested, loads.reshape(-1, rigid))
     places = list(_places(state.evidence, blocks))
     # z is the column of a number inside a place, and zero outside; of ZᵀZ the fitted columns explain a share
@@ -93,8 +94,9 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
     rss, best = max(float(state.residual @ state.residual), TINY), list[Change]()
     sizes, left = (np.diagonal(x, axis1=1, axis2=2)[:, : len(tested)] for x in (whole, information))
     gain = score[:, : len(tested)] ** 2 / np.maximum(left, TINY) / rss
-    apart = np.array([carries and not place.within for place, *_ in places], dtype=np.bool_)
-    least = np.where(np.isin(tested, gains) & apart[:, None], 0.0, 0.1)
+    midst = np.array([place.within for place, *_ in places], dtype=np.bool_)[:, None]
+    least = np.where(np.isin(tested, gains) & carries & ~midst, 0.0, 0.1)
+    least[midst & np.isin(tested, late)] = np.inf  # of another clock there are other columns
     gain = np.where((left > 0.01 * sizes) & (gain > least), gain, 0.0)
     if gain.any():
         place, k = np.unravel_index(gain.argmax(), gain.shape)

@@ -187,8 +187,8 @@ KINDS = {
     "change": Kind(
         None,
         "{form} differs by {x:.3g}{of}: one value does not describe all data",
-        "look for what happened then, such as an encoder that slipped, a zero that was set again, a load, or a brake "
-        "or stand that carried the leg; leave one part out, or give the parts as groups with own parameters",
+        "look for what happened then, such as an encoder that slipped, a zero or clock that was set again, a load, a "
+        "brake or a stand that carried the leg; leave one part out, or give the parts as groups with own parameters",
     ),
     "wrong-load": Kind(
         None,

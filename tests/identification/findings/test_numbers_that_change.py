@@ -53,6 +53,22 @@ def test_one_log_of_several_differs_alone():
     assert finding.value == pytest.approx(2.0, rel=0.05)
 
 
+@pytest.mark.parametrize("joints", [(1,), (0, 1)])
+def test_torques_of_one_log_that_are_late_are_not_a_mean_delay_of_all(joints):
+    """Nor does `delay="auto"` shift the logs that are on time."""
+    leg, _ = clean("cuhk")
+    logs = [clean("cuhk", seed=seed)[1] for seed in (1, 2, 3)]
+    for joint in joints:
+        logs[1] = with_column(logs[1], "tau", joint, lambda x: np.interp(logs[1].time - 0.02, logs[1].time, x))
+    estimate = exoid.identify(leg, logs, delay="auto")
+    finding = of_kind(estimate.findings, "change")
+    what = "the torque of left_knee" if joints == (1,) else "all torques"
+    assert finding.message.startswith(f"in recording 2, the delay of {what} differs by")
+    assert (finding.value, finding.unit) == (pytest.approx(0.02, rel=0.05), "s")
+    assert kinds(estimate.findings) <= {"change", "large-residual"}
+    assert not estimate.torque_delays.any()
+
+
 def test_a_payload_that_is_not_given_is_another_load_of_its_segment():
     leg, log = clean("cuhk")
     loaded = with_payloads(leg, [exoid.Payload(leg.joint_names[1], 1.0, (0.0, 0.0, -0.2))])
