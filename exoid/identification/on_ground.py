@@ -165,7 +165,7 @@ def without_outliers(fitted: Fitted) -> Problem:
     """Leave samples out whose residuals no noise explains: contacts that are labelled wrongly, or slip."""
     problem, findings = fitted.problem, dict[str, list[Finding]]()
     wrong = [_wrong_samples(fitted, k) for k in range(len(problem.groups))]
-    counts = [(np.count_nonzero(mask), np.count_nonzero(bad)) for of_group in wrong for _, mask, bad in of_group]
+    counts = [(np.count_nonzero(mask), np.count_nonzero(bad)) for of_group in wrong for _, mask, bad, _ in of_group]
     total, lost = np.sum(counts, axis=0)
     if not lost:
         return problem
@@ -175,10 +175,10 @@ def without_outliers(fitted: Fitted) -> Problem:
     for group, of_group in zip(problem.groups, wrong, strict=True):
         told, kept = findings.setdefault(group.name, []), []
         told += group.findings
-        for one, mask, bad in of_group:
+        for one, mask, bad, row in of_group:
             if bad.any():
                 share = float(np.count_nonzero(bad)) / np.count_nonzero(mask)
-                told.append(_outlier(group.links or "", share, one, kept=too_many))
+                told.append(_outlier(group.links or "", share, one, row, kept=too_many))
             rest = mask & ~bad
             if too_many or np.count_nonzero(rest) > SHORTEST * one.sample_rate:
                 kept.append(one if too_many else replace(one, mask=rest))
@@ -235,8 +235,8 @@ def _lean_finding(footing: Footing, fitted: Fitted, angle: float, half: float) -
     return Finding("base-from-feet", "", angle, "°", severity, text, remedy, (angle - half, angle + half))
 
 
-def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArray, BoolArray]]:
-    """Recordings of a group, their samples that count, and those near residuals that no noise explains."""
+def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArray, BoolArray, str]]:
+    """Recordings of a group, samples that count, those near residuals that no noise explains, and the row of most."""
     problem, group, values, found = fitted.problem, fitted.problem.groups[index], fitted.values(index), []
     residuals = [(rows.time, residual(rows, values)) for rows in map(group.decimated, range(len(group.data)))]
     sizes = [np.abs(row[row != 0.0]) for row in np.vstack([left for _, left in residuals]).T]
@@ -249,14 +249,14 @@ def _wrong_samples(fitted: Fitted, index: int) -> list[tuple[Recording, BoolArra
     scale = np.maximum(middle, 0.003 * rms_residuals(problem, [index], np.zeros(len(problem.names))))
     for one, (time, left) in zip(group.motions, residuals, strict=True):
         assert one.mask is not None  # see `split`
-        far = np.zeros(len(one), dtype=np.bool_)
-        far[np.searchsorted(one.time, time[(np.abs(left) > 6.0 * scale).any(axis=1)])] = True
+        far, large = np.zeros(len(one), dtype=np.bool_), np.abs(left) > 6.0 * scale
+        far[np.searchsorted(one.time, time[large.any(axis=1)])] = True
         near = scipy.ndimage.binary_dilation(far, iterations=round(EDGE * one.sample_rate))
-        found.append((one, one.mask, one.mask & near))
+        found.append((one, one.mask, one.mask & near, group.model.row_names[int(large.sum(axis=0).argmax())]))
     return found
 
 
-def _outlier(support: str, share: float, recording: Recording, *, kept: bool) -> Finding:
+def _outlier(support: str, share: float, recording: Recording, row: str, *, kept: bool) -> Finding:
     """Say that samples do not fit."""
     severity: Severity = "warning" if kept or share > MUCH_LEFT_OUT else "info"
     kind, cause = "wrong-contact", "a contact is labelled wrongly, slips, or another force acts"
@@ -266,5 +266,7 @@ def _outlier(support: str, share: float, recording: Recording, *, kept: bool) ->
     elif kept:
         severity = "error"
     fate = "they are too many to leave out" if kept else "they were left out"
-    text = f"{share:.1%} of the samples with {support} do not fit the others: {cause}; {fate}"
-    return Finding(kind, "", share, "1", severity, text, remedy, recording=where)
+    driven = {*recording.joint_names} - {*recording.passive} if kind == "large-residual" else ()
+    joint = row if row in driven else ""
+    text = f"{share:.1%} of the samples with {support} do not fit the others{f', most at {joint}' * bool(joint)}: "
+    return Finding(kind, joint, share, "1", severity, f"{text}{cause}; {fate}", remedy, recording=where)

@@ -216,16 +216,17 @@ def large_residuals(checked: CheckedFit, left: FloatArray, *, impossible: bool) 
     """Find joints whose torque the model does not explain, nor, by the RMS residuals left, faults that were found."""
     model, wrong = checked.fitted.model, 0.5 if impossible else 0.9
     for j, (joint, nrmse) in enumerate(zip(model.leg.joint_names, checked.nrmse.tolist(), strict=True)):
-        # Friction that has another form leaves less than 15 %, and noise of a sensor is less persistent.
-        lasting = checked.persistence[j] > 0.5 and left[j] > 0.15 * checked.spread[j]
-        if nrmse <= (0.15 if lasting else 0.5):
+        # Friction of another form leaves less than 15 %, noise of a sensor is less persistent, and a push is short:
+        # numbers of other faults would explain it, too.
+        lasting, when = checked.persistence[j] > 0.5 and left[j] > 0.15 * checked.spread[j], _when(checked, j)
+        if nrmse <= (0.15 if lasting or when else 0.5):
             continue
         remedy = (
             "check whether this channel is the torque of this joint, and for contacts, straps and cables; if the torso "
             "moved, record its motion: Recording(base=BaseMotion.from_imu(...)); else record larger or faster motions"
         )
         message, severity = f"the model leaves {nrmse:.0%} of the torque unexplained", SEVERITIES[int(nrmse <= wrong)]
-        message, names = message + _when(checked, j), tuple(np.array(model.names)[model.acting[j]].tolist())
+        message, names = message + when, tuple(np.array(model.names)[model.acting[j]].tolist())
         yield Finding("large-residual", joint, nrmse, "1", severity, message, remedy, None, names)
 
 
