@@ -63,7 +63,7 @@ def described(change: Change, evidence: Evidence, model: TorqueModel, columns: S
     else:
         kind, joint, _ = columns[column - count]
         angle = "rad" if turning_joints(model.leg)[joint] else "m"
-        unit, what = {"g": ("1", "scale"), "d": ("s", "delay"), "z": (angle, "offset")}[kind[0]]
+        unit, what = {"gain": ("1", "scale"), "delay": ("s", "delay")}.get(kind.removesuffix("s"), (angle, "offset"))
         if kind in ("gains", "delays"):
             return Nuisance("change", "", -1, unit, own, f"{change.when}, the {what} of all torques")
         what = f"the {what} of the {'angle' if kind == 'zero' else 'torque'} of {names[joint]}"
