@@ -13,7 +13,7 @@ BUDGET = {  # what a room may have now, and what the design asks for
     "control": (7317, 5000),
     "estimate": (3474, 2900),
     "experiments": (3341, 3200),
-    "identification": (8021, 7200),
+    "identification": (8018, 7200),
     "lab": (4438, 5000),
     "leg": (4474, 4200),
     "online": (1603, 1500),

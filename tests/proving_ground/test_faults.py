@@ -162,12 +162,11 @@ def test_a_mistake_is_named_beside(seed, mistake, joint, kind):
 
 
 @pytest.mark.parametrize(("seed", "joint"), [(10, 0), pytest.param(9, 1, id="beside a floating base")])
-def test_a_push_is_named_where_it_acts_and_is_no_limit_of_a_drive(seed, joint):
+def test_a_push_is_named_where_it_acts(seed, joint):
     machine = draw(seed)
     pushed = MISTAKES["somebody pushes for half a second"][0](simulate(machine, 12.0).recording, joint)
     found = {(one.kind, one.joint) for one in exoid.check(machine.leg(), pushed)}
     assert ("large-residual", f"j{joint + 1}") in found
-    assert "saturation" not in {kind for kind, _ in found}
 
 
 @pytest.mark.parametrize(("torques", "wrenches"), [(-1.0, 1.0), (1.0, -1.0), (1.0, 1.1)])

@@ -224,9 +224,6 @@ def residual_hints(model: TorqueModel, motions: Sequence[Motion], torques: Float
         signals = np.vstack([tau, np.sign(tau) * np.maximum(np.abs(tau) - limits[:, None], 0.0)])
         left, *beyond = signals - signals @ Q @ Q.T
         limit = limits[np.argmax([max(float(left @ x), 0.0) ** 2 / max(float(x @ x), TINY) for x in beyond])]
-        power, width = np.maximum(np.abs(tau) - limit, 0.0) ** 2, -(-len(tau) // 10)
-        if width * scipy.ndimage.uniform_filter1d(power, width, mode="constant").max() > 0.9 * power.sum():
-            limit = np.inf  # in a tenth of all time: somebody pushed
         # an angle that is off by waves exp(i m q) leaves residuals like their second derivatives
         Z = np.vander(np.exp(1j * q), 121, increasing=True)[:, m] * (1j * m * a[:, None] - (m * v[:, None]) ** 2)
         apart = np.linalg.norm(Z, axis=0) ** 2 - np.linalg.norm(Q.T @ Z, axis=0) ** 2
