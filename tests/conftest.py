@@ -14,6 +14,7 @@ os.environ.pop("COLUMNS", None)  # texts as a pipe receives them
 import pytest
 from browser import chromium
 from hypothesis import settings
+from swings import Swing
 
 import exoid
 from exoid.cli import main
@@ -78,6 +79,12 @@ def built_in_leg(request):
 @pytest.fixture(scope="session")
 def leg():
     return exoid.load_leg("bleex")
+
+
+@pytest.fixture(scope="session")
+def swing(leg):
+    """Motion of 20 s at 100 Hz, with friction."""
+    return Swing(leg)
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from exoid import Coulomb, Leg, Recording, Viscous, Wrench
+from exoid import BaseMotion, Coulomb, Leg, Recording, Viscous, Wrench
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.torques import TorqueModel
 
@@ -116,6 +116,14 @@ def mirrored(log: Standing) -> Standing:
     turned = replace(recording, q=recording.q[:, SWAP], tau=recording.tau[:, SWAP], contacts=contacts)
     wrenches = {_other(link): wrench for link, wrench in log.wrenches.items()}
     return Standing(turned, log.base, wrenches, tuple(part[:, SWAP] for part in log.exact))
+
+
+def with_imu(log, seed, force_bias=(0.1, 0.0, 0.15), gyro_bias=(0.0, 0.01, 0.0), noise=1.0) -> Recording:
+    """The recording with an IMU that has the usual noise, or more, and these biases [m/s², rad/s]."""
+    rng = np.random.default_rng(seed)
+    gyro = log.base.angular_velocity + 0.005 * noise * rng.standard_normal((len(log.base), 3)) + gyro_bias
+    force = log.base.specific_force + 0.05 * noise * rng.standard_normal((len(log.base), 3)) + force_bias
+    return replace(log.recording, base=BaseMotion(gyro, force))
 
 
 def _other(link: str) -> str:

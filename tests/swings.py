@@ -33,6 +33,12 @@ def coloured(rng, shape, memory):
     return lfilter([1.0], [1.0, -memory], drive, axis=0)
 
 
+def holds(estimate, truth):
+    """Whether the 95 % interval of each parameter contains its true value, (P,)."""
+    low, high = estimate.interval(0.95).T
+    return (low <= truth) & (truth <= high)
+
+
 def late(recording, seconds, joints):
     """Delay torques."""
     tau = np.array(recording.tau)

@@ -1,16 +1,13 @@
 """Logs of currents and forces are identified, validated, checked, controlled and reported like logs of torques."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 from unchecked import identify
 
 import exoid
 from exoid.actuators import Actuators, Coupling, Motor, SeriesElastic, read_actuators, write_actuators
-from exoid.cli import app
 from exoid.signals import Recordings
 
 DATA = exoid.datasets.bleex_swing()
@@ -115,28 +112,18 @@ def test_the_rig_logs_what_drives_measure() -> None:
 
 
 @pytest.mark.slow
-def test_the_commands_identify_validate_and_check_logs_of_forces(tmp_path) -> None:
-    run, log, estimate = CliRunner(), tmp_path / "swing.csv", tmp_path / "est.json"
-    log_of(CYLINDERS).to_csv(log)
-    assert "f_left_hip" in log.read_text(encoding="utf-8").partition("\n")[0]
-    done = run.invoke(
-        app, ["identify", "bleex", str(log), "--no-check", "--actuators", "bleex", "-o", str(estimate), "--json"]
-    )
-    assert done.exit_code == 0, done.output
-    assert json.loads(done.stdout)["actuators"]["left_hip"]["type"] == "linear"
-    assert run.invoke(app, ["validate", str(estimate), str(log)]).exit_code == 0
-    tracked = run.invoke(app, ["track", str(estimate), "--period", "2", "--scale", "0.3"])
-    assert tracked.exit_code == 0, tracked.output
-    assert "Commands of the drives" in tracked.stdout
-    drives = tmp_path / "drives.toml"
-    write_actuators(CYLINDERS, drives)
-    found = run.invoke(app, ["check", "bleex", str(log), "--actuators", str(drives)])
-    assert found.exit_code == 0, found.output
-    assert "nothing found" in found.stdout
-    drives.write_text('[left_hip]\ntype = "motor"\n', encoding="utf-8")
-    wrong = run.invoke(app, ["check", "bleex", str(log), "--actuators", str(drives)])
-    assert isinstance(wrong.exception, exoid.ExoidError)  # the command's main turns it into exit status 2
-    assert "drives.toml, [left_hip]: no torque_constant" in str(wrong.exception)
+def test_the_commands_identify_validate_and_check_logs_of_forces(exoid_, tmp_path) -> None:
+    log_of(CYLINDERS).to_csv(tmp_path / "swing.csv")
+    assert "f_left_hip" in (tmp_path / "swing.csv").read_text(encoding="utf-8").partition("\n")[0]
+    options = ("--no-check", "--actuators", "bleex", "-o", "est.json", "--json")
+    assert exoid_("identify", "bleex", "swing.csv", *options).data["actuators"]["left_hip"]["type"] == "linear"
+    assert exoid_("validate", "est.json", "swing.csv").printed
+    assert "Commands of the drives" in exoid_("track", "est.json", "--period", "2", "--scale", "0.3").printed
+    write_actuators(CYLINDERS, tmp_path / "drives.toml")
+    check = ("check", "bleex", "swing.csv", "--actuators", "drives.toml")
+    assert "nothing found" in exoid_(*check).printed
+    (tmp_path / "drives.toml").write_text('[left_hip]\ntype = "motor"\n', encoding="utf-8")
+    assert "drives.toml, [left_hip]: no torque_constant" in exoid_(*check).refusal
 
 
 def test_recordings_on_disk_get_their_torques_when_they_are_read(tmp_path, by_torque) -> None:

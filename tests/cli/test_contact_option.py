@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from swings import harmonics
 
 import exoid
 from exoid.estimate import Estimate
@@ -18,8 +19,7 @@ FEET = ("left_foot", "right_foot")
 def sines(rng, time, sizes):
     """Sums of sines with two derivatives, (N, columns) each."""
     w, phase = 2.0 * np.pi * rng.uniform(0.2, 1.2, (4, len(sizes))), rng.uniform(0.0, 6.3, (4, len(sizes)))
-    angle = w * time[:, None, None] + phase
-    return [(np.asarray(sizes) * x).sum(axis=1) for x in (np.sin(angle), w * np.cos(angle), -(w**2) * np.sin(angle))]
+    return harmonics(time, np.asarray(sizes)[:, None], w.T, phase.T)
 
 
 def standing_on_points(seed, seconds=30.0):

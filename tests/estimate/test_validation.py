@@ -1,6 +1,5 @@
 """Validation: figures over all samples and of each recording, cut-off, share inside the band, findings and verdict."""
 
-import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +10,6 @@ import exoid
 
 def kinds(validation):
     return {(finding.kind, finding.joint) for finding in validation.findings}
-
-
-def with_torque(recording, tau):
-    return dataclasses.replace(recording, tau=tau)
 
 
 def test_several_recordings_are_judged_over_all_samples_and_one_by_one(data, estimate):
@@ -58,7 +53,7 @@ def test_a_good_estimate_predicts_and_its_band_contains_95_percent(data, estimat
 
 
 def test_a_torque_of_the_other_sign_is_not_predicted(data, estimate):
-    found = exoid.validate(estimate, with_torque(data.test, -data.test.tau))
+    found = exoid.validate(estimate, replace(data.test, tau=-data.test.tau))
     assert found.verdict == "does not predict"
     assert (found.nrmse > 1.0).all()
     assert found.findings[0].severity == "error"
@@ -67,14 +62,14 @@ def test_a_torque_of_the_other_sign_is_not_predicted(data, estimate):
 
 
 def test_the_worst_recording_decides(data, estimate):
-    wrong = with_torque(data.test, -data.test.tau)
+    wrong = replace(data.test, tau=-data.test.tau)
     assert exoid.validate(estimate, [data.test, data.train]).verdict == "predicts"
     assert exoid.validate(estimate, [data.test, wrong]).verdict == "does not predict"
 
 
 def test_a_leg_that_has_become_heavier_is_predicted_poorly(data, estimate):
     """NRMSE stays below 0.5, but the residual is far larger than that of the training, and leaves the band."""
-    found = exoid.validate(estimate, with_torque(data.test, 1.2 * data.test.tau))
+    found = exoid.validate(estimate, replace(data.test, tau=1.2 * data.test.tau))
     assert (found.nrmse < 0.35).all()
     assert found.verdict == "predicts poorly"
     assert {("large-residual", "left_hip"), ("narrow-band", "left_hip"), ("narrow-band", "left_knee")} <= kinds(found)
@@ -84,7 +79,7 @@ def test_a_leg_that_has_become_heavier_is_predicted_poorly(data, estimate):
 def test_a_late_torque_is_named_with_its_delay(data, estimate):
     samples = 3
     tau = np.vstack([np.repeat(data.test.tau[:1], samples, axis=0), data.test.tau[:-samples]])
-    found = exoid.validate(estimate, with_torque(data.test, tau))
+    found = exoid.validate(estimate, replace(data.test, tau=tau))
     delays = {finding.joint: finding.value for finding in found.findings if finding.kind == "torque-delay"}
     assert found.verdict == "predicts poorly"
     for joint in data.leg.joint_names:
@@ -104,9 +99,9 @@ def test_a_late_velocity_is_named_and_not_used(data, estimate):
 
 def test_few_effective_samples_do_not_make_a_band_narrow(data, estimate):
     """Half a second of one residual says little, however often it is sampled."""
-    few = tuple(dataclasses.replace(one, effective_samples=2.0) for one in estimate.noise)
-    rare = dataclasses.replace(estimate, evidence=dataclasses.replace(estimate.evidence, noise=few))
-    late = with_torque(data.test, 1.2 * data.test.tau)
+    few = tuple(replace(one, effective_samples=2.0) for one in estimate.noise)
+    rare = replace(estimate, evidence=replace(estimate.evidence, noise=few))
+    late = replace(data.test, tau=1.2 * data.test.tau)
     assert any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(estimate, late)))
     assert not any(kind == "narrow-band" for kind, _ in kinds(exoid.validate(rare, late)))
 
@@ -119,12 +114,17 @@ def test_the_fit_of_an_estimate_is_its_validation_on_the_recording_of_the_fit(da
     np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "est.json").nrmse, estimate.nrmse)
 
 
+def pushed_by(leg, log, size):
+    """The log with a force on the foot that is measured, and the torque that it takes off the joints."""
+    force = size * np.outer(np.sin(log.time), [4.0, 0.0, 9.0])
+    push = np.einsum("ncj,nc->nj", leg.frame_jacobian(log.q, "left_foot"), np.hstack([force, 0.0 * force]))
+    return replace(log, tau=log.tau - push, wrenches={"left_foot": exoid.Wrench(force, 0.0 * force)}), push
+
+
 def test_a_measured_force_belongs_to_the_prediction(data, estimate):
     """The measured torque stays that of the log, whatever pushes on the foot; the residual is that without the push."""
     test = data.test
-    force = np.outer(np.sin(test.time), [40.0, 0.0, 90.0])
-    push = np.einsum("ncj,nc->nj", data.leg.frame_jacobian(test.q, "left_foot"), np.hstack([force, 0.0 * force]))
-    pushed = replace(test, tau=test.tau - push, wrenches={"left_foot": exoid.Wrench(force, 0.0 * force)})
+    pushed, push = pushed_by(data.leg, test, 10.0)
     plain, found = exoid.validate(estimate, test), exoid.validate(estimate, pushed)
     np.testing.assert_allclose(found.residual, plain.residual, atol=2e-3)  # the angles are filtered, too
     # Friction of another form may grow with the load, of which the push is a part; the rest of the band is the same
@@ -139,11 +139,8 @@ def test_a_measured_force_belongs_to_the_prediction(data, estimate):
 
 def test_a_leg_is_judged_on_what_measured_forces_leave(data, estimate):
     """A force that carries nearly all of the torque hides a leg that is wrong; the error over the rest shows it."""
-    test = data.test
-    force = np.outer(np.sin(test.time), [400.0, 0.0, 900.0])
-    push = np.einsum("ncj,nc->nj", data.leg.frame_jacobian(test.q, "left_foot"), np.hstack([force, 0.0 * force]))
-    wrong = with_torque(test, 0.3 * test.tau)
-    pushed = replace(wrong, tau=wrong.tau - push, wrenches={"left_foot": exoid.Wrench(force, 0.0 * force)})
+    wrong = replace(data.test, tau=0.3 * data.test.tau)
+    pushed, _ = pushed_by(data.leg, wrong, 100.0)
     plain, found = exoid.validate(estimate, wrong), exoid.validate(estimate, pushed)
     np.testing.assert_allclose(plain.leg_nrmse, plain.nrmse, rtol=1e-12)
     np.testing.assert_allclose(found.leg_nrmse, plain.nrmse, rtol=0.02)

@@ -11,6 +11,7 @@ import numpy as np
 import one_joint
 import pytest
 from arms import Arm
+from swings import holds
 from unchecked import identify
 
 import exoid
@@ -88,8 +89,7 @@ def test_intervals_hold_for_numeric_base_parameters_and_terms(arm, time_constant
     for seed in range(REPLICATES):
         estimate = identify(arm.leg, arm.recording(TRAIN, arm.noise_of(seed, time_constant)))
         truth = np.array([arm.truth[name] for name in estimate.names])
-        low, high = estimate.interval(0.95).T
-        inside.append((low <= truth) & (truth <= high))
+        inside.append(holds(estimate, truth))
         ratios.append(exoid.validate(estimate, arm.recording(TEST, noise)).rmse / floor)
     pooled, each = np.mean(inside), np.mean(inside, axis=0)
     measured = np.std(np.mean(inside, axis=1), ddof=1) / np.sqrt(REPLICATES)

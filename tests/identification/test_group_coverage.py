@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pytest
 from sessions import TERMS, Noise, Session, truth_of
+from swings import holds
 from unchecked import identify
 
 import exoid
@@ -43,7 +44,7 @@ def replicates(sides):
 @pytest.mark.nightly
 def test_intervals_contain_the_truth_as_often_as_they_say(sides, replicates):
     truth = truth_of(replicates[0], sides)
-    inside = np.array([(low <= truth) & (truth <= high) for low, high in (t.interval().T for t in replicates)])
+    inside = np.array([holds(one, truth) for one in replicates])
     shared = len(replicates[0].shared)
     means = {"shared": inside[:, :shared], "own": inside[:, shared:]}
     print(", ".join(f"{name} {part.mean():.3f} (worst {part.mean(axis=0).min():.3f})" for name, part in means.items()))

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from swings import TERMS, Swing
+from swings import TERMS, Swing, holds
 from unchecked import identify
 
 import exoid
@@ -161,8 +161,7 @@ def test_intervals_hold_under_torque_noise_with_a_memory(swing):
         noise = lfilter([1.0], [1.0, -0.9], rng.standard_normal((200 + len(log.tau), 3)), axis=0)[200:]
         log = dataclasses.replace(log, tau=log.tau + 0.1 * noise)
         for assumed, found in inside.items():
-            low, high = identify(swing.leg, log, TERMS, JointML(0.05), noise=assumed).interval().T
-            found.append((low <= swing.truth) & (swing.truth <= high))
+            found.append(holds(identify(swing.leg, log, TERMS, JointML(0.05), noise=assumed), swing.truth))
     coverage = {assumed: np.mean(found) for assumed, found in inside.items()}
     print("coverage of ml:", coverage)
     assert 0.88 < coverage["correlated"] < 0.995

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import TERMS, friction, mirrored, standing
+from standing import TERMS, friction, mirrored, standing, with_imu
 
 import exoid
-from exoid import BaseMotion, Wrench
+from exoid import Wrench
 
 pytestmark = pytest.mark.slow
 
@@ -30,13 +30,6 @@ def deviation(estimate, exo):
     """Root mean square of the errors of all parameters over their standard deviations."""
     truth = [*exo.parameters, *(1.5,) * 6, *(0.8,) * 6]
     return np.sqrt(np.mean(np.square((estimate.values - truth) / estimate.std)))
-
-
-def with_imu(log, seed, noise=1.0):
-    rng = np.random.default_rng(seed)
-    gyro = log.base.angular_velocity + 0.005 * noise * rng.standard_normal((len(log.base), 3)) + (0.0, 0.01, 0.0)
-    force = log.base.specific_force + 0.05 * noise * rng.standard_normal((len(log.base), 3)) + (0.1, 0.0, 0.15)
-    return replace(log.recording, base=BaseMotion(gyro, force))
 
 
 @pytest.mark.nightly

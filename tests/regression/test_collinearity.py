@@ -78,15 +78,14 @@ def test_a_slow_motion_does_not_make_an_inertia_sure_however_small_its_error():
     leg = exoid.load_leg("cuhk")
     estimate = identify(leg, slow(leg), TERMS, preparation=EXACT)
     assert estimate.condition_number > ILL_CONDITIONED
-    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
-    assert {identifiability[name] for name in ("J1", "J2", "X1")} <= {"weakly", "not"}
+    assert {estimate[name].identifiability for name in ("J1", "J2", "X1")} <= {"weakly", "not"}
     (warning,) = [text for text in estimate.warnings if "hardly tell apart" in text]
     assert "J1" in warning
     assert "X1" in warning
     assert "hardly tell apart" in " ".join(str(estimate).split())
     evidence = dataclasses.replace(estimate.evidence, collinearity=None, reference_scale=None)
     blind = dataclasses.replace(estimate, evidence=evidence)
-    assert blind.identifiability[estimate.names.index("J1")] == "well"  # without these rules it would be called so
+    assert blind["J1"].identifiability == "well"  # without these rules it would be called so
 
 
 def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined(leg):
@@ -94,12 +93,11 @@ def test_a_stiffness_that_an_upright_leg_shows_only_as_gravity_is_not_determined
     terms = (*TERMS, Stiffness(joints=("hip",)))
     recording = swing.with_noise(np.random.default_rng(0), 1e-3)
     estimate = identify(leg, recording, terms, preparation=EXACT)
-    identifiability = dict(zip(estimate.names, estimate.identifiability, strict=True))
     assert estimate.condition_number > HOPELESS
-    hip = {identifiability[name] for name in ("b0_hip", "b1_hip", "b2_hip", "X1", "Y1")}
+    hip = {estimate[name].identifiability for name in ("b0_hip", "b1_hip", "b2_hip", "X1", "Y1")}
     assert hip <= {"weakly", "not"}
     assert "not" in hip
-    assert identifiability["J3"] == identifiability["X3"] == "well"
+    assert estimate["J3"].identifiability == estimate["X3"].identifiability == "well"
     known = identify(leg, recording, terms, preparation=EXACT, known={"b1_hip": 0.0, "b2_hip": 0.0})
     assert set(known.identifiability) == {"well", "known"}
 

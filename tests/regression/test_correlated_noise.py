@@ -7,7 +7,7 @@ import pytest
 import statsmodels.api as sm
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
-from swings import TERMS, Swing, coloured
+from swings import TERMS, Swing, coloured, holds
 from unchecked import identify
 
 import exoid
@@ -24,12 +24,6 @@ STD = np.array([1.0, 0.7, 0.3])
 EXACT = FiniteDifference()
 
 
-@pytest.fixture(scope="module")
-def swing():
-    """20 s at 100 Hz."""
-    return Swing(exoid.load_leg("bleex"), 100.0)
-
-
 def noisy(swing, seed, time_constant=0.05, share=1.0):
     """Noise of which a share of the variance has a memory."""
     rng = np.random.default_rng(seed)
@@ -43,8 +37,7 @@ def coverage(swing, replicates, share=1.0, **options):
     """Share of 95 % intervals that contain the truth, of all parameters and of the worst."""
     inside = []
     for seed in range(replicates):
-        low, high = identify(swing.leg, noisy(swing, seed, share=share), TERMS, **options).interval().T
-        inside.append((low <= swing.truth) & (swing.truth <= high))
+        inside.append(holds(identify(swing.leg, noisy(swing, seed, share=share), TERMS, **options), swing.truth))
     return np.mean(inside), np.mean(inside, axis=0).min()
 
 

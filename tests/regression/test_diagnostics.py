@@ -2,21 +2,15 @@
 
 import numpy as np
 import pytest
-from swings import TERMS, Swing
+from swings import TERMS
 from unchecked import identify
 
-import exoid
 from exoid.regression.diagnostics import identifiability_class, other_scale, parameter_scale
 from exoid.regression.fit import samples_left
 from exoid.regression.least_squares import RFactor
 from exoid.signals import FiniteDifference
 
 EXACT = FiniteDifference()
-
-
-@pytest.fixture(scope="module")
-def swing():
-    return Swing(exoid.load_leg("bleex"))
 
 
 @pytest.fixture(scope="module")

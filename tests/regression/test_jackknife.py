@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import statsmodels.api as sm
 from scipy.signal import lfilter
-from swings import TERMS, Swing
+from swings import TERMS, Swing, holds
 from unchecked import identify
 
 import exoid
@@ -136,8 +136,7 @@ def test_intervals_hold_where_noise_is_not_stationary_or_common(kind):
     for seed in range(REPLICATES):
         tau = swing.torque + disturbance(kind, swing, np.random.default_rng([seed, 1]))
         estimate = identify(swing.leg, swing.recording(tau=tau), TERMS, preparation=ZeroPhase())
-        low, high = estimate.interval().T
-        inside.append((low <= swing.truth) & (swing.truth <= high))
+        inside.append(holds(estimate, swing.truth))
         errors.append(estimate.values - swing.truth)
         said.append(estimate.covariance)
     mean, worst = np.mean(inside), np.mean(inside, axis=0).min()

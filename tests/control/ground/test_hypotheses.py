@@ -1,5 +1,8 @@
 """Which contacts hold is told from the rows of the identified machine, whatever the switches say."""
 
+from functools import partial
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -117,27 +120,15 @@ def test_a_frozen_sensor_makes_contacts_unknown_until_it_changes(told):
     assert (contacts.advance(contacts.begin(), readings._replace(q=q)).probability[350:, -1] < 0.5).mean() > 0.9
 
 
+made = partial(SimpleNamespace, model=None, values=(), covariance=())
 REFUSED = {
-    "no base": lambda plant: ContactFilter.of(_fixed(), plant.soles),
-    "no soles": lambda plant: ContactFilter.of(_floating(plant), {}),
+    "no base": lambda plant: ContactFilter.of(made(leg=load_leg("bleex")), plant.soles),
+    "no soles": lambda plant: ContactFilter.of(made(leg=plant.leg), {}),
     "four soles": lambda plant: ContactFilter.of(
-        _floating(plant), {f"s{k}": Sole.flat(0.0, 0.1, 0.0) for k in range(4)}
+        made(leg=plant.leg), {f"s{k}": Sole.flat(0.0, 0.1, 0.0) for k in range(4)}
     ),
-    "fast": lambda plant: ContactFilter.of(_floating(plant), plant.soles, rate=100.0),
+    "fast": lambda plant: ContactFilter.of(made(leg=plant.leg), plant.soles, rate=100.0),
 }
-
-
-class _Made:
-    def __init__(self, leg):
-        self.leg, self.model, self.values, self.covariance = leg, None, (), ()
-
-
-def _fixed():
-    return _Made(load_leg("bleex"))
-
-
-def _floating(plant):
-    return _Made(plant.leg)
 
 
 @pytest.mark.parametrize("name", REFUSED)

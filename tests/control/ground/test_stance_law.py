@@ -27,11 +27,6 @@ BENT = np.array([0.2, -0.75, 0.55])
 """Angles of a leg that stands, with the centre of mass over its foot [rad]."""
 
 
-@pytest.fixture(scope="module")
-def machine():
-    return exoid.load_exo("bleex", base="floating")
-
-
 def state_of(seed: int, contacts=BOTH, **other) -> GroundState:
     rng = np.random.default_rng(seed)
     q = np.concatenate([BENT, BENT]) + 0.05 * rng.standard_normal(6)
@@ -43,11 +38,11 @@ def target_of(state: GroundState, seed: int = 0) -> GroundTarget:
     return GroundTarget(state.q + 0.01 * rng.standard_normal(6), state.v, 0.3 * rng.standard_normal(6), 0.1, 0.2)
 
 
-def test_a_seat_that_is_left_bears_what_it_must_and_both_legs_bear_alike(machine):
+def test_a_seat_that_is_left_bears_what_it_must_and_both_legs_bear_alike(exo):
     """The centre of mass is behind the heels: no forces within cones hold a seated machine on its feet alone."""
     soles = {**BLEEX_SOLES, "torso": SEAT}
-    law, seated = stance(machine, soles), rise(Body.of(machine, soles))
-    q = joint_angles(machine, seated.flexion[:1])[0]
+    law, seated = stance(exo, soles), rise(Body.of(exo, soles))
+    q = joint_angles(exo, seated.flexion[:1])[0]
     loads = []
     for share in (1.0, 0.3, 0.2, 0.06, 0.03, 0.01, 0.0):
         shares = {"left_foot": 1.0, "right_foot": 1.0, "torso": share}
@@ -62,9 +57,9 @@ def test_a_seat_that_is_left_bears_what_it_must_and_both_legs_bear_alike(machine
     assert loads[-1] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_errors_of_the_posture_do_not_unload_a_foot_that_bears(machine):
+def test_errors_of_the_posture_do_not_unload_a_foot_that_bears(exo):
     """They would put all the load on one foot: the other could no longer be felt, and would leave the ground."""
-    law = stance(machine)
+    law = stance(exo)
     for seed in range(8):
         state = state_of(seed, {"left_foot": "flat", "right_foot": "toe"})
         wanted = 5.0 * (target_of(state, seed).q - state.q) + state.q
@@ -74,45 +69,45 @@ def test_errors_of_the_posture_do_not_unload_a_foot_that_bears(machine):
 
 
 @pytest.mark.parametrize("contacts", [BOTH, {"left_foot": "flat"}, {"left_foot": "flat", "right_foot": "toe"}])
-def test_the_command_fulfils_the_equation_of_motion(machine, contacts):
+def test_the_command_fulfils_the_equation_of_motion(exo, contacts):
     """M dν + h = (0, τ) + Σ Jᵀ f by the leg's own inverse dynamics and Jacobians, and a flat sole does not move."""
-    law = stance(machine, friction=None)
+    law = stance(exo, friction=None)
     state = state_of(1, contacts)
     command = law.command(state, target_of(state))
     dnu = command.acceleration
     turn = np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
     torso = TorsoMotion(np.array([0.1]), np.array([0.2]), dnu[2:3], (turn @ dnu[:2])[None])
-    rows = machine.inverse_dynamics(state.q[None], state.v[None], dnu[None, 3:], torso)[0]
+    rows = exo.inverse_dynamics(state.q[None], state.v[None], dnu[None, 3:], torso)[0]
     rows[3:] -= command.torque
     for link, kind in contacts.items():
         sole = law.model.soles[link]
         if kind == "flat":
-            J = machine.frame_jacobian(state.q[None], link, sole.centre)[0]
+            J = exo.frame_jacobian(state.q[None], link, sole.centre)[0]
             rows -= J[[0, 2]].T @ command.forces[link][:2] - J[4] * command.forces[link][2]
         else:
-            J = machine.frame_jacobian(state.q[None], link, sole.points[1])[0][[0, 2]]
+            J = exo.frame_jacobian(state.q[None], link, sole.points[1])[0][[0, 2]]
             tilt = 0.1 + state.q[3:].sum()
             back = np.array([[np.cos(tilt), np.sin(tilt)], [-np.sin(tilt), np.cos(tilt)]])
             rows -= J.T @ back @ command.forces[link]
     assert np.abs(rows).max() < 1e-8
 
 
-def test_the_motion_is_that_of_pinocchios_constrained_dynamics(machine):
+def test_the_motion_is_that_of_pinocchios_constrained_dynamics(exo):
     """Under the torque of the law both feet welded to the ground give the accelerations that the law expects."""
-    law = stance(machine, friction=None)
+    law = stance(exo, friction=None)
     state = state_of(2)
-    J = np.concatenate([machine.contact_jacobian(state.q[None], link)[0] for link in BOTH])
+    J = np.concatenate([exo.contact_jacobian(state.q[None], link)[0] for link in BOTH])
     nu = np.linalg.svd(J)[2][6:].T @ np.array([0.3, -0.2, 0.4])  # a motion in which the feet rest
     state = state._replace(v=nu[3:], pitch_rate=nu[2])
     command = law.command(state, target_of(state))
     assert command.feasible
-    free, spin = free_flyer_model(machine.model), -machine.plane.lateral
+    free, spin = free_flyer_model(exo.model), -exo.plane.lateral
     q = np.concatenate([np.zeros(3), pin.Quaternion(pin.exp3(0.1 * spin)).coeffs(), state.q])
     v = np.concatenate([[nu[0], 0.0, nu[1]], nu[2] * spin, state.v])
     contacts, kept, data = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData(), free.createData()
     pin.forwardKinematics(free, data, q)
     for link in BOTH:
-        body, place = link_frame(machine.model, machine.description, link)
+        body, place = link_frame(exo.model, exo.description, link)
         kind, ground = pin.ContactType.CONTACT_6D, data.oMi[body + 2] * place
         contacts.append(pin.RigidConstraintModel(kind, free, body + 2, place, 0, ground, pin.ReferenceFrame.LOCAL))
         kept.append(contacts[-1].createData())
@@ -123,9 +118,9 @@ def test_the_motion_is_that_of_pinocchios_constrained_dynamics(machine):
     assert np.isclose(a[3:6] @ spin, command.acceleration[2], atol=1e-6)
 
 
-def test_without_active_limits_the_law_is_the_weighted_least_squares(machine):
+def test_without_active_limits_the_law_is_the_weighted_least_squares(exo):
     """With one foot flat and wide limits all tasks have a least-squares solution by the null space of the contact."""
-    law = stance(machine, friction=None, ground_friction=1e3, limit=1e6)
+    law = stance(exo, friction=None, ground_friction=1e3, limit=1e6)
     state = state_of(3, {"left_foot": "flat"})
     law = replace(law, margin=-10.0)
     target = target_of(state)
@@ -156,9 +151,9 @@ def test_rows_that_contradict_each_other_yield_as_in_the_solver_itself():
         np.testing.assert_allclose(minimise(A, b, [hard, soft])[0], expected, atol=1e-9)
 
 
-def test_forces_stay_in_cone_and_sole_and_torque_within_limits(machine):
+def test_forces_stay_in_cone_and_sole_and_torque_within_limits(exo):
     """Whatever is asked for; where nothing is feasible the limits of torque hold and the law says so."""
-    law = stance(machine, limit=60.0, power=100.0, ground_friction=0.3)
+    law = stance(exo, limit=60.0, power=100.0, ground_friction=0.3)
     seen = []
     for seed in range(40):
         state = state_of(seed, BOTH if seed % 2 else {"left_foot": "flat"})
@@ -175,8 +170,8 @@ def test_forces_stay_in_cone_and_sole_and_torque_within_limits(machine):
     assert sum(seen) > 10
 
 
-def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(machine):
-    law, q, torques, loads = stance(machine, friction=None), np.concatenate([BENT, BENT]), [], []
+def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(exo):
+    law, q, torques, loads = stance(exo, friction=None), np.concatenate([BENT, BENT]), [], []
     for s in np.linspace(0.0, 1.0, 101):
         shares = {"left_foot": 1.0, "right_foot": 1.0 - float(minimum_jerk(s))}
         command = law.command(GroundState(q, 0.0 * q, 0.0, 0.0, BOTH, shares), GroundTarget(q, 0.0 * q))
@@ -187,9 +182,9 @@ def test_weight_is_borne_by_the_shares_and_torque_is_continuous_in_them(machine)
     assert np.abs(np.diff(torques, axis=0)).max() < 0.02 * np.ptp(torques, axis=0).max() + 1.0
 
 
-def test_known_forces_are_taken_into_account(machine):
+def test_known_forces_are_taken_into_account(exo):
     """A crutch that carries 100 N takes them from the feet; the wearer's torque takes its part from the actuators."""
-    law = stance(machine, kp=0.0, kd=0.0, friction=None)
+    law = stance(exo, kp=0.0, kd=0.0, friction=None)
     q = np.concatenate([BENT, BENT])
     state, target = GroundState(q, np.zeros(6), 0.0, 0.0, BOTH), GroundTarget(q, np.zeros(6))
     alone = law.command(state, target)
@@ -201,9 +196,9 @@ def test_known_forces_are_taken_into_account(machine):
     assert np.allclose(law.command(state._replace(interaction=wearer), target).torque, alone.torque - wearer, atol=1e-6)
 
 
-def test_a_contact_without_a_share_leaves_without_a_step(machine):
+def test_a_contact_without_a_share_leaves_without_a_step(exo):
     """Also where the leg is off its reference and moves, so that its constraint changes the accelerations."""
-    law, state = stance(machine), state_of(4)
+    law, state = stance(exo), state_of(4)
     target = target_of(state)._replace(q=state.q + 0.05)
     last = None
     for share in (0.06, 0.05, 0.045, 0.04, 0.03, 0.02, 0.01, 0.003, 1e-6, 0.0, None):
@@ -236,9 +231,9 @@ def estimate_of(machine, relative: float, mass: float = 0.0):
     return made(model, values, np.diag(std**2))
 
 
-def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(machine):
+def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(exo):
     """The torque is linear in the parameters while no limit is active."""
-    estimate = estimate_of(machine, 0.02)
+    estimate = estimate_of(exo, 0.02)
     state = state_of(6)
     target = target_of(state)
 
@@ -250,26 +245,26 @@ def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(machine):
     draws = np.random.default_rng(0).multivariate_normal(estimate.values, estimate.covariance, 150)
     torques = np.array([law(values).command(state, target).torque for values in draws])
     np.testing.assert_allclose(torques.std(axis=0), band, rtol=0.25)
-    assert stance(machine).band(state, target).max() == 0.0
+    assert stance(exo).band(state, target).max() == 0.0
 
 
-def test_an_uncertain_weight_is_refused_and_a_less_certain_model_keeps_further_from_the_edges(machine):
+def test_an_uncertain_weight_is_refused_and_a_less_certain_model_keeps_further_from_the_edges(exo):
     """Without the total mass there is no support; the margin of the pressure has two standard deviations."""
-    known = estimate_of(machine, 0.01)
-    for unknown in (estimate_of(machine, 0.01, mass=20.0), replace(known, values=-known.values)):
+    known = estimate_of(exo, 0.01)
+    for unknown in (estimate_of(exo, 0.01, mass=20.0), replace(known, values=-known.values)):
         with pytest.raises(NotIdentifiableError) as refused:
             stance(unknown)
         assert refused.value.parameters == ("M",)
-    margins = [stance(estimate_of(machine, size)).margin for size in (0.0, 0.01, 0.03)]
+    margins = [stance(estimate_of(exo, size)).margin for size in (0.0, 0.01, 0.03)]
     assert margins[0] == pytest.approx(0.01)
     assert margins[0] < margins[1] < margins[2]
 
 
-def test_what_the_law_refuses(machine):
+def test_what_the_law_refuses(exo):
     """A held base, no contact, unknown links, missing numbers."""
     with pytest.raises(NotSupportedError, match="floats"):
         stance(exoid.load_exo("bleex"))
-    law, state = stance(machine), state_of(0)
+    law, state = stance(exo), state_of(0)
     target, missing = target_of(state), np.full(6, np.nan)
     wrong = [{"contacts": contacts} for contacts in ({}, {"torso": "flat"}, {"left_foot": "ball"})]
     wrong += [{"shares": shares} for shares in ({"left_foot": -1.0}, dict.fromkeys(BOTH, 0.0), {"left": 1.0})]
@@ -281,9 +276,9 @@ def test_what_the_law_refuses(machine):
         with pytest.raises(BadArgumentError):
             law.command(*case)
     with pytest.raises(BadArgumentError):
-        stance(machine, kp=(1.0, 2.0))
+        stance(exo, kp=(1.0, 2.0))
     with pytest.raises(BadArgumentError, match="soles"):
-        stance(machine, soles={})
-    shorter = describe(machine.description.text.replace("-0.43", "-0.4"), "bleex_of_mine.urdf")
+        stance(exo, soles={})
+    shorter = describe(exo.description.text.replace("-0.43", "-0.4"), "bleex_of_mine.urdf")
     with pytest.raises(BadArgumentError, match="soles"):
         stance(exoid.Leg.from_description(shorter, base="floating"))

@@ -1,15 +1,13 @@
 """``exoid wear``: what a wearer feels of a leg that is off, and with CAD, identified and true model."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from swings import harmonics
 
 import exoid
 from exoid import ExoidError, published, reproduce
-from exoid.cli import app
 from exoid.errors import BadArgumentError
 from exoid.experiments import gait_for_leg, healthy_gait
 from exoid.lab.reproduce import wear_models
@@ -40,13 +38,8 @@ def test_cad_limits_the_amplification_more_than_the_estimate(worn):
 
 
 @pytest.mark.nightly
-def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(tmp_path, data):
-    exoid.identify(data.leg, data.train).save(tmp_path / "est.json")
-    done = CliRunner().invoke(
-        app, ["wear", str(tmp_path / "est.json"), "--json", "--figures", str(tmp_path / "figures"), "--period", "2.5"]
-    )
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout)
+def test_an_estimate_is_worn_on_a_rig_of_its_own_distribution(exoid_, saved, tmp_path):
+    found = exoid_("wear", "est.json", "--json", "--figures", "figures", "--period", "2.5").data
     felt = found["felt_rms"]
     assert {"cad", "identified"} <= set(found["largest_amplification"])
     assert list(felt) == ["off", "cad", "identified", "truth"]
@@ -91,9 +84,7 @@ def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(cuhk):
 def _short_cuhk():
     """Leg and a short log of it, for an estimate of any quality."""
     leg, time = exoid.load_leg("cuhk"), np.arange(0.0, 10.0, 0.01)
-    speed = np.array([4.0, 7.0])
-    phase = np.outer(time, speed)
-    q, v, a = np.sin(phase), speed * np.cos(phase), -(speed**2) * np.sin(phase)
+    q, v, a = harmonics(time, 1.0, np.array([[4.0], [7.0]]), 0.0)
     tau = leg.inverse_dynamics(q, v, a) + 0.1 * np.random.default_rng(0).standard_normal(q.shape)
     return leg, exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names), ()
 

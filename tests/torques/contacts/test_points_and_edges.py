@@ -9,6 +9,7 @@ import pytest
 from free_flyers import Flight
 from public_robots import urdf_of
 from scipy.linalg import null_space
+from swings import harmonics
 
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
@@ -83,9 +84,7 @@ def trajectory(rng, time, size, slowest=0.15):
     """Sums of sines, one column for each size, with their first and second derivative."""
     rates = 2.0 * np.pi * slowest * (1.0 + np.arange(6))
     phases = rng.uniform(0.0, 2.0 * np.pi, (len(size), 6))
-    angle = time[:, None, None] * rates + phases
-    share = np.asarray(size)[:, None] / (1.0 + np.arange(6))
-    return [(share * part).sum(axis=2) for part in (np.sin(angle), rates * np.cos(angle), -(rates**2) * np.sin(angle))]
+    return harmonics(time, np.asarray(size)[:, None] / (1.0 + np.arange(6)), rates, phases)
 
 
 def walk(leg, seconds, rng, noise=0.0, rate=200.0):

@@ -4,28 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import mirrored, standing
+from standing import mirrored, standing, with_imu
 
 import exoid
-from exoid import BaseMotion
 from exoid.signals.link_wrenches import link_placements
 from exoid.torques.contacts import level_rotation, split
 from exoid.torques.contacts.imu import imu_errors
 from exoid.torques.contacts.standing_base import standing_reading
 
 FEET = ("left_foot", "right_foot")
-GYRO, FORCE, ENCODER = 0.005, 0.05, 1e-4
+FORCE, ENCODER = 0.05, 1e-4
 RATE = 250.0
 
 
 @pytest.fixture(scope="module")
 def still(exo):
     """Squats on both feet with an IMU that has a bias."""
-    log = standing(exo, "both", seed=5, noise=0.4, encoder=ENCODER, rate=RATE)
-    rng = np.random.default_rng(7)
-    gyro = log.base.angular_velocity + GYRO * rng.standard_normal((len(log.base), 3)) + (0.0, 0.01, 0.0)
-    force = log.base.specific_force + FORCE * rng.standard_normal((len(log.base), 3)) + (0.1, 0.0, 0.15)
-    return replace(log.recording, base=BaseMotion(gyro, force))
+    return with_imu(standing(exo, "both", seed=5, noise=0.4, encoder=ENCODER, rate=RATE), 7)
 
 
 def slipping(exo, log, speed, lasting=0.25, starts=(3.0, 7.0, 12.0, 16.0)):
