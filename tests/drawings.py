@@ -6,6 +6,7 @@ import re
 import zlib
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import exoid
 from exoid import Leg
@@ -38,14 +39,7 @@ def animated(still, clip, time):
         elif track["name"] == ".scale":
             rotation, scale = np.eye(3), value
         else:
-            x, y, z, w = value / np.linalg.norm(value)
-            rotation = np.array(
-                [
-                    [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                    [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                    [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-                ]
-            )
+            rotation = Rotation.from_quat(value).as_matrix()
     out = np.eye(4)
     out[:3, :3], out[:3, 3] = rotation * scale, position
     return out

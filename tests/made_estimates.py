@@ -14,6 +14,12 @@ def made(model, values, covariance, **changes):
     return replace(Estimate(model, values, covariance, 10.0, 100.0, joints, "ols", ZeroPhase(5.0)), **changes)
 
 
+def from_file(estimate, folder):
+    """The estimate, written to a file and read again."""
+    estimate.save(folder / "est.json")
+    return Estimate.load(folder / "est.json")
+
+
 def motion_within(leg, samples=20, margin=0.0):
     """Random angles within the limits of the joints, velocities and accelerations."""
     rng = np.random.default_rng(2)

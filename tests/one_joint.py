@@ -1,6 +1,7 @@
 """A leg of one joint, and a log of it."""
 
 import numpy as np
+from swings import harmonics
 
 from exoid import Leg, Recording
 
@@ -28,9 +29,7 @@ def write_urdf(path):
 def swing(leg, *, seconds=20.0, rate=100.0, seed=0):
     """A motion of two frequencies, with torques of the leg, friction and noise."""
     time = np.arange(round(seconds * rate)) / rate
-    q = (0.5 * np.sin(1.7 * time) + 0.3 * np.sin(4.1 * time + 1.0))[:, None]
-    v = (0.85 * np.cos(1.7 * time) + 1.23 * np.cos(4.1 * time + 1.0))[:, None]
-    a = (-1.445 * np.sin(1.7 * time) - 5.043 * np.sin(4.1 * time + 1.0))[:, None]
+    q, v, a = harmonics(time, np.array([[0.5, 0.3]]), np.array([1.7, 4.1]), np.array([0.0, 1.0]))
     noise = 0.05 * np.random.default_rng(seed).normal(size=q.shape)
     tau = leg.inverse_dynamics(q, v, a) + 2.0 * np.tanh(v / 0.01) + 0.5 * v + noise
     return Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)

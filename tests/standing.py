@@ -118,6 +118,13 @@ def mirrored(log: Standing) -> Standing:
     return Standing(turned, log.base, wrenches, tuple(part[:, SWAP] for part in log.exact))
 
 
+def session(leg: Leg, seed: int = 0, **options) -> list[Standing]:
+    """A motion on both feet, and each leg swinging while the other stands."""
+    feet = ("both", "left", "left")
+    both, left, other = (standing(leg, rest, seed=seed + k, **options) for k, rest in enumerate(feet))
+    return [both, left, mirrored(other)]
+
+
 def with_imu(log, seed, force_bias=(0.1, 0.0, 0.15), gyro_bias=(0.0, 0.01, 0.0), noise=1.0) -> Recording:
     """The recording with an IMU that has the usual noise, or more, and these biases [m/s², rad/s]."""
     rng = np.random.default_rng(seed)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_estimates import from_file
 from swings import harmonics
 from unchecked import identify
 
@@ -115,32 +116,37 @@ def test_a_joint_with_a_torque_sensor_is_enough():
     check_against(found, {name: TRUTH[name] for name in ("X1", "J1", "X2", "J2", "kt_knee")}, 0.02)
 
 
-def test_a_known_parameter_is_enough():
-    """A link that was weighed on a bench."""
-    found = identify(LEG, log(1), TERMS, actuators=motors(), known={"X2": TRUTH["X2"]})
-    check_against(found, TRUTH, 0.03)
-
-
-def test_poses_on_a_torque_sensor_are_enough():
-    q = np.random.default_rng(5).uniform(-0.8, 0.8, (40, 2))
-    poses = Poses(q, LEG.gravity(q), LEG.joint_names)
-    found = identify(LEG, [log(1), poses], (Viscous(), Coulomb(smoothing=0.01), Armature()), actuators=motors())
-    check_against(found, TRUTH, 0.03)
-
-
 def lifted(mass, noise):
     """Logs without a payload, and with one of little mass."""
     return [log(1, noise=noise), log(2, (replace(PAYLOAD[0], mass=mass),), noise=noise)]
 
 
 BOTH = [log(1), log(2, PAYLOAD)]
+REVERSED = [replace(one, current=-one.current) for one in BOTH]
+Q = np.random.default_rng(5).uniform(-0.8, 0.8, (40, 2))
+POSES = Poses(Q, LEG.gravity(Q), LEG.joint_names)
+ENOUGH = {  # logs, options, and how exact constants and parameters are
+    "a link that was weighed on a bench": (BOTH[:1], {"known": {"X2": TRUTH["X2"]}}, 0.03),
+    "poses on a torque sensor": ([BOTH[0], POSES], {"terms": TERMS[:3]}, 0.03),
+    "a payload, by ols": (BOTH, {"estimator": "ols"}, 0.02),
+    "a payload, by huber": (BOTH, {"estimator": "huber"}, 0.02),
+    "a payload, and currents of the other sign": (REVERSED, {"actuators": motors(ratio=-RATIO)}, 0.02),
+}
+
+
+@pytest.mark.parametrize("case", ENOUGH)
+def test_what_is_known_in_newton_metres_is_enough(case):
+    logs, options, within = ENOUGH[case]
+    check_against(identify(LEG, logs, **{"terms": TERMS, "actuators": motors(), **options}), TRUTH, within)
+
+
 REFUSED = {
     "nothing in N·m": (NotIdentifiableError, [log(1)], {}),
     "a known zero, which is zero in any unit": (NotIdentifiableError, [log(1)], {"known": {"c0_hip": 0.0}}),
     "a payload without weight": (NotIdentifiableError, lifted(0.0, 0.02), {}),
     "a payload that hardly weighs": (NotIdentifiableError, lifted(0.02, 0.2), {}),
     "a payload of grams": (NotIdentifiableError, lifted(0.002, 0.2), {}),
-    "currents of the other sign": (NotIdentifiableError, [replace(one, current=-one.current) for one in BOTH], {}),
+    "currents of the other sign": (NotIdentifiableError, REVERSED, {}),
     "torques that were measured": (NotIdentifiableError, [replace(BOTH[0], tau=torque_log(1).tau)], {}),
     "ml": (NotSupportedError, BOTH, {"estimator": "ml"}),
     "delays": (NotSupportedError, BOTH, {"delay": "auto"}),
@@ -196,22 +202,10 @@ def test_the_motor_whose_current_has_the_other_sign_is_named():
     assert caught.value.parameters == ("kt_knee",)
 
 
-def test_currents_of_the_other_sign_belong_to_a_negative_ratio():
-    wrong = [replace(one, current=-one.current) for one in BOTH]
-    check_against(identify(LEG, wrong, TERMS, actuators=motors(ratio=-RATIO)), TRUTH, 0.02)
-
-
-@pytest.mark.parametrize("estimator", ["ols", "huber"])
-def test_other_estimators_find_constants(estimator):
-    found = identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, estimator, actuators=motors())
-    check_against(found, TRUTH, 0.02)
-
-
 def test_an_estimate_keeps_its_constants(tmp_path):
     """In its file, in validation of a log of currents, and in what it exports."""
     found = identify(LEG, [log(1), log(2, PAYLOAD)], TERMS, actuators=motors())
-    found.save(tmp_path / "est.json")
-    again = exoid.Estimate.load(tmp_path / "est.json")
+    again = from_file(found, tmp_path)
     assert again["kt_knee"] == found["kt_knee"]
     assert again.actuators.drives["left_knee"].torque_constant == found["kt_knee"].value
     assert exoid.validate(again, log(9)).verdict == "predicts"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from compiled import STRICT
+from compiled import COMPILER, STRICT
 from processes import run
 
 from exoid.codegen import CSource
@@ -162,3 +162,10 @@ class CompiledLaw:
         tau, status, after = self.run(inputs, memory[0])
         assert status[0] == 0
         return tau[0].astype(np.float64), (after, memory[1] + 1)
+
+
+def compile_laws(sources: Sequence[CSource], folder: Path, flags: Sequence[str] = ()) -> dict[str, CompiledLaw]:
+    """Laws by their prefix, compiled as one library."""
+    path = build(COMPILER, ("-shared", "-fPIC", *flags), write_all(sources, folder), folder / f"{sources[0].prefix}.so")
+    library = ctypes.CDLL(str(path))
+    return {source.prefix: CompiledLaw(source, library) for source in sources}

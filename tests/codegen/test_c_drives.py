@@ -4,8 +4,8 @@ import ctypes
 
 import numpy as np
 import pytest
-from compiled import COMPILER, CompiledLeg, made_up, needs_compiler
-from compiled_laws import CompiledLaw, build, records, write_all
+from compiled import CompiledLeg, made_up, needs_compiler
+from compiled_laws import compile_laws, records
 
 import exoid
 from exoid import Viscous
@@ -78,9 +78,9 @@ def test_a_torque_is_made_also_while_the_velocity_is_unknown(tmp_path) -> None:
 def test_a_law_turns_its_torque_into_commands_of_the_drives(tmp_path) -> None:
     source = c_source(pd((60.0, 40.0, 20.0), 2.0), actuators=DRIVES["mixed"])
     assert source.functions == ("law_init", "law_step", "law_command")
-    library = build(COMPILER, ("-O2", "-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "a.so")
+    (law,) = compile_laws([source], tmp_path, ("-O2",)).values()
     q, v, torque, found = *np.random.default_rng(0).normal(size=(3, 3)), np.zeros(3)
-    ctypes.CDLL(str(library)).law_command(*(x.ctypes.data_as(ctypes.c_void_p) for x in (q, v, torque, found)))
+    law.library.law_command(*(x.ctypes.data_as(ctypes.c_void_p) for x in (q, v, torque, found)))
     np.testing.assert_allclose(found, DRIVES["mixed"].command(torque[None], q[None], v[None])[0], rtol=1e-12)
 
 
@@ -101,10 +101,10 @@ def test_rotors_of_coupled_motors_leave_laws_without_inertia_their_form(tmp_path
     motors = motor_terms(Coupling(("hip", "ankle"), MATRIX))
     law = gravity_friction_pd(made_up(LEG, (Viscous(), *motors)), (60.0, 40.0, 20.0), 2.0)
     source = c_source(law)
-    library = build(COMPILER, ("-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "a.so")
+    (in_c,) = compile_laws([source], tmp_path).values()
     q, v, q_d, v_d = np.random.default_rng(0).normal(size=(4, 3))
     given = records(source, 1, {"q": q, "v": v, "q_d": q_d, "v_d": v_d})
-    torque = CompiledLaw(source, ctypes.CDLL(str(library))).run(given)[0][0]
+    torque = in_c.run(given)[0][0]
     np.testing.assert_allclose(torque, law.torque(State(q, v), Target(q_d, v_d)), rtol=1e-12)
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import numpy as np
 import pytest
 from closed_machines import cylinder_knee, four_bar_knee, two_rod_ankle
-from compiled import COMPILER, CompiledLeg, made_up, needs_compiler, source_of
-from compiled_laws import CompiledLaw, build, records, write_all
+from compiled import CompiledLeg, made_up, needs_compiler, source_of
+from compiled_laws import compile_laws, records
 from laws_of_bleex import torques_in_python
 from planar_chains import assert_relative
 
@@ -89,10 +87,10 @@ def test_laws_of_a_closed_leg_are_those_of_python(tmp_path):
     kp, kd = np.array([20.0, 30.0]), np.array([2.0, 3.0])
     laws = {"support": gravity_friction_pd(estimate, kp, kd), "torque": computed_torque(estimate, kp, kd)}
     sources = [c_source(law, name=name) for name, law in laws.items()]
-    path = build(COMPILER, ("-O2", "-shared", "-fPIC"), write_all(sources, tmp_path), tmp_path / "laws.so")
+    in_c = compile_laws(sources, tmp_path, ("-O2",))
     q, v, a = motion(leg, 0.3)
     values = {"q": q, "v": v, "q_d": q[::-1], "v_d": v[::-1], "a_d": a}
     for source, law in zip(sources, laws.values(), strict=True):
-        tau, status, _ = CompiledLaw(source, ctypes.CDLL(str(path))).run(records(source, len(q), values))
+        tau, status, _ = in_c[source.prefix].run(records(source, len(q), values))
         assert not status.any()
         assert_relative(tau, torques_in_python(law, values, last=np.zeros(2)), EXACT)

@@ -1,13 +1,12 @@
 """Laws in C compute what they compute in Python, and end in the safe torque whatever the input."""
 
-import ctypes
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
-from compiled import COMPILER, needs_compiler
-from compiled_laws import CompiledLaw, build, records, write_all
+from compiled import needs_compiler
+from compiled_laws import build, compile_laws, records, write_all
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws_of_bleex import KD, LIMIT, laws, model, observer, random_values, torques_in_python
@@ -36,8 +35,7 @@ def library(tmp_path_factory):
     folder = tmp_path_factory.mktemp("laws")
     sources = [source_of(name, precision) for name in NAMES for precision in ("double", "float")]
     sources.append(c_source(observer(), name="momentum_observer_double"))
-    path = build(COMPILER, ("-O0", "-shared", "-fPIC"), write_all(sources, folder), folder / "laws.so")
-    return {source.prefix: CompiledLaw(source, ctypes.CDLL(str(path))) for source in sources}
+    return compile_laws(sources, folder)
 
 
 def assert_relative(found, expected, tolerance):

@@ -1,11 +1,9 @@
 """Observers in C read the torque that they read in Python."""
 
-import ctypes
-
 import numpy as np
 import pytest
-from compiled import COMPILER, needs_compiler
-from compiled_laws import CompiledLaw, build, records, write_all
+from compiled import needs_compiler
+from compiled_laws import compile_laws, records
 from laws_of_bleex import model
 
 from exoid.codegen import Safety, c_source
@@ -27,8 +25,7 @@ def library(tmp_path_factory):
         for name, observer in OBSERVERS.items()
         for precision in ("double", "float")
     ]
-    path = build(COMPILER, ("-O1", "-shared", "-fPIC"), write_all(sources, folder), folder / "observers.so")
-    return {source.prefix: CompiledLaw(source, ctypes.CDLL(str(path))) for source in sources}
+    return compile_laws(sources, folder, ("-O1",))
 
 
 def motion(count, rate):

@@ -1,12 +1,11 @@
 """A law from outside exoid says how it looks in C, with memory of its own."""
 
-import ctypes
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from compiled import COMPILER, needs_compiler
-from compiled_laws import CompiledLaw, build, records, write_all
+from compiled import needs_compiler
+from compiled_laws import compile_laws, records
 from laws_of_bleex import KD, KP, laws, observer, random_values, torques_in_python
 
 from exoid.codegen import REFERENCE, ArrayInC, Dialect, LawInC, c_source, write_ros2
@@ -63,8 +62,7 @@ BEGIN = """\
 @needs_compiler
 def test_a_law_with_memory_begins_again_after_a_fault(tmp_path):
     source = c_source(FilteredPID(), name="own")
-    path = build(COMPILER, ("-shared", "-fPIC"), write_all([source], tmp_path), tmp_path / "own.so")
-    law, values = CompiledLaw(source, ctypes.CDLL(str(path))), random_values(40)
+    (law,), values = compile_laws([source], tmp_path).values(), random_values(40)
     rows = records(source, 40, values)
     rows["q"][20, 1] = np.nan
     before, after = ({name: x[part] for name, x in values.items()} for part in (slice(20), slice(21, 40)))

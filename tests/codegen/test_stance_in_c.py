@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from compiled import COMPILER, made_up, needs_compiler
-from compiled_laws import CompiledLaw, build, records, write_all
+from compiled_laws import compile_laws, records
 
 import exoid
 from exoid.codegen import c_source
@@ -83,8 +83,7 @@ def compiled(request, tmp_path_factory):
     """The law, and its C."""
     law, folder = request.param(), tmp_path_factory.mktemp("stance")
     source = c_source(law, name="stand")
-    path = build(COMPILER, ["-shared", "-fPIC", "-O0"], write_all([source], folder), folder / "law.so")
-    return law, CompiledLaw(source, ctypes.CDLL(str(path)))
+    return law, compile_laws([source], folder)["stand"]
 
 
 @pytest.fixture(scope="module")

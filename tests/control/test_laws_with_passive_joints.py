@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy
+from made_estimates import from_file
 
 import exoid
 from exoid import Coulomb, Stiffness, Viscous, control
@@ -42,10 +43,7 @@ def log():
 @pytest.fixture(scope="module")
 def estimate(log, tmp_path_factory):
     """Identified, and read from its file."""
-    found = exoid.identify(LEG, log, TERMS)
-    path = tmp_path_factory.mktemp("estimate") / "est.json"
-    found.save(path)
-    return exoid.Estimate.load(path)
+    return from_file(exoid.identify(LEG, log, TERMS), tmp_path_factory.mktemp("estimate"))
 
 
 @pytest.mark.filterwarnings("ignore:not determined by the recordings")

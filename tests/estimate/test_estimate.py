@@ -6,6 +6,7 @@ from pathlib import Path
 import lxml.html
 import numpy as np
 import pytest
+from made_estimates import from_file
 from swings import TERMS, Swing
 
 import exoid
@@ -96,8 +97,7 @@ def test_the_identified_leg_is_the_rigid_part_of_the_torque(estimate, swing):
 @pytest.mark.parametrize("preparation", [ZeroPhase(6.0, 11.0), FiniteDifference(), MovingAverage(0.4)])
 def test_a_file_gives_the_estimate_back_to_the_last_bit(swing, recording, preparation, tmp_path):
     estimate = exoid.identify(swing.leg, recording, EVERY_TERM, "ols", preparation=preparation)
-    estimate.save(tmp_path / "leg.json")
-    loaded = Estimate.load(tmp_path / "leg.json")
+    loaded = from_file(estimate, tmp_path)
     q, v, a = swing.motion
     assert loaded.to_json() == estimate.to_json()  # all that a file has
     assert (loaded.torque(q, v, a) == estimate.torque(q, v, a)).all()
@@ -113,9 +113,8 @@ def test_a_file_needs_no_urdf(recording, tmp_path):
     urdf.write_bytes((exoid.catalog.urdf_folder() / "bleex_identified.urdf").read_bytes())
     leg = Leg.from_urdf(urdf, ("right_hip", "right_knee"), locked={"right_ankle": 0.2}, cumulative=False)
     estimate = exoid.identify(leg, recording, TERMS)
-    estimate.save(tmp_path / "leg.json")
     urdf.unlink()
-    loaded = Estimate.load(tmp_path / "leg.json")
+    loaded = from_file(estimate, tmp_path)
     assert loaded.model.leg.locked == {"right_ankle": 0.2}
     np.testing.assert_array_equal(loaded.model.leg.parameters, leg.parameters)
     np.testing.assert_array_equal(loaded.leg.parameters, estimate.leg.parameters)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from lxml import etree
+from made_estimates import from_file
 from swings import harmonics
 
 import exoid
-from exoid import Armature, Estimate, Leg, Recording
+from exoid import Armature, Leg, Recording
 
 ROTOR = 0.05
 
@@ -40,8 +41,7 @@ def test_a_known_rotor_is_subtracted_from_what_it_is_merged_into(data, estimator
 
 
 def test_a_file_keeps_it(known, tmp_path):
-    known.save(tmp_path / "est.json")
-    again = Estimate.load(tmp_path / "est.json")
+    again = from_file(known, tmp_path)
     assert again.names == known.names
     assert again.regrouped == ()
     assert again["Ia_hip"].identifiability == "known"

@@ -4,10 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from made_estimates import from_file
 from swings import Swing
 
 import exoid
-from exoid import Armature, Coulomb, Estimate, Offset, Viscous
+from exoid import Armature, Coulomb, Offset, Viscous
 from exoid.estimate.model_error import COUNT
 from exoid.torques import Presliding
 
@@ -128,8 +129,7 @@ def test_alternatives_are_columns_of_each_joint_alone(leg, estimates):
 
 def test_it_survives_saving_to_the_last_bit(leg, estimates, tmp_path):
     estimate = estimates["presliding"]
-    estimate.save(tmp_path / "leg.json")
-    fast, loaded = log(leg, "presliding", FAST, 8), Estimate.load(tmp_path / "leg.json")
+    fast, loaded = log(leg, "presliding", FAST, 8), from_file(estimate, tmp_path)
     np.testing.assert_array_equal(exoid.validate(loaded, fast).half_width, exoid.validate(estimate, fast).half_width)
 
 

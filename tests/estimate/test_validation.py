@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_estimates import from_file
 
 import exoid
 
@@ -110,8 +111,7 @@ def test_the_fit_of_an_estimate_is_its_validation_on_the_recording_of_the_fit(da
     again = exoid.validate(estimate, data.train)
     np.testing.assert_allclose(estimate.nrmse, again.nrmse, rtol=0.01)
     np.testing.assert_allclose(estimate.r2, again.r2, rtol=1e-4)
-    estimate.save(tmp_path / "est.json")
-    np.testing.assert_array_equal(exoid.Estimate.load(tmp_path / "est.json").nrmse, estimate.nrmse)
+    np.testing.assert_array_equal(from_file(estimate, tmp_path).nrmse, estimate.nrmse)
 
 
 def pushed_by(leg, log, size):

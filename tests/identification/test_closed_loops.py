@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import study_loops
 from closed_machines import four_bar_knee, two_rod_ankle
+from made_estimates import from_file
 from swings import harmonics
 
 import exoid
@@ -49,8 +50,7 @@ def test_an_exact_log_gives_the_torque_of_another_motion(leg):
 @pytest.mark.slow
 def test_an_estimate_and_an_export_keep_the_loops(leg, tmp_path):
     estimate = exoid.identify(leg, swing(leg, 0, 1e-3), [exoid.Viscous()])
-    estimate.save(tmp_path / "est.json")
-    again = exoid.Estimate.load(tmp_path / "est.json")
+    again = from_file(estimate, tmp_path)
     q, v, a = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 5, 2))
     np.testing.assert_array_equal(again.torque(q, v, a), estimate.torque(q, v, a))
     estimate.to_urdf(tmp_path / "identified.urdf")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import TERMS, friction, mirrored, standing, with_imu
+from standing import TERMS, friction, mirrored, session, standing, with_imu
 
 import exoid
 from exoid import Wrench
@@ -19,11 +19,7 @@ def logs(exo, lean, seed):
 
 def runs(exo, lean, seed):
     options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "lean": lean}
-    both, left, other = (
-        standing(exo, feet, seconds=10.0, seed=20 * seed + k, **options)
-        for k, feet in enumerate(("both", "left", "left"))
-    )
-    return [both, left, mirrored(other)]
+    return session(exo, 20 * seed, seconds=10.0, **options)
 
 
 def deviation(estimate, exo):
@@ -85,10 +81,7 @@ RIDGE = 0.03 - 0.117j
 
 def rocking_logs(exo, sole, plates=False):
     options = {"noise": 0.4, "encoder": 1e-4, "friction": friction, "sole": sole, "pivot": RIDGE}
-    every = [
-        standing(exo, feet, seconds=10.0, seed=60 + k, **options) for k, feet in enumerate(("both", "left", "left"))
-    ]
-    every[2], rng = mirrored(every[2]), np.random.default_rng(6)
+    every, rng = session(exo, 60, seconds=10.0, **options), np.random.default_rng(6)
     if not plates:
         return [log.recording for log in every]
 

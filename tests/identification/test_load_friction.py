@@ -8,7 +8,7 @@ from unchecked import identify
 import exoid
 from exoid import Coulomb, ExoidError, Leg, Offset, Recording, Viscous
 from exoid.signals import FiniteDifference, Poses
-from exoid.torques import LoadFriction, Stribeck
+from exoid.torques import LoadFriction, Presliding, Stribeck
 
 EXACT = FiniteDifference()
 HIP, KNEE = 0.004, 0.0025
@@ -47,20 +47,10 @@ def motion_of(seconds=12.0, rate=200.0, seed=3):
     return time, *harmonics(time, size, omega, phase)
 
 
-def bent(q, v, length):
-    """Dahl's state, sample by sample."""
-    z = np.empty(len(q))
-    z[0] = np.sign(v[0])
-    for k in range(1, len(q)):
-        s = np.sign(q[k] - q[k - 1])
-        z[k] = s + (z[k - 1] - s) * np.exp(-abs(q[k] - q[k - 1]) / length)
-    return z
-
-
 def truth_torque(leg, q, v, a):
     """The torque written down again, with Pinocchio's inverse dynamics as the load."""
     t, rigid = TRUTH, leg.inverse_dynamics(q, v, a)
-    hip, knee, load = bent(q[:, 0], v[:, 0], HIP), bent(q[:, 1], v[:, 1], KNEE), rigid[:, 1]
+    hip, knee, load = Presliding(HIP).states(q[:, 0], v[:, 0]), Presliding(KNEE).states(q[:, 1], v[:, 1]), rigid[:, 1]
     share = 0.5 * (1.0 + knee * np.sign(load))
     size = t["c0_knee"] + np.abs(load) * (t["mu_drive_knee"] * share + t["mu_back_knee"] * (1.0 - share))
     size += t["cs_knee"] * np.exp(-((v[:, 1] / 0.25) ** 2))

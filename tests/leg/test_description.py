@@ -2,12 +2,12 @@
 
 import math
 import tracemalloc
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from outcomes import outcome
 from planar_chains import random_chain
 from small_urdfs import URDF, replaced
 
@@ -88,15 +88,6 @@ def test_a_leg_whose_joints_are_turned_by_rounded_right_angles_is_planar():
     )
     leg = Leg.from_description(describe(turned))
     assert leg.parameter_names == ("X1", "Y1", "J1", "X2", "Y2", "J2")
-
-
-def outcome(action: Callable[[], object]) -> object:
-    """What an action returns, or the ExoidError that it ends in, whose message is one line; all else is raised."""
-    try:
-        return action()
-    except ExoidError as error:
-        lines = str(error).splitlines()
-        return error if len(lines) == 1 else lines
 
 
 @given(seed=st.integers(0, 2**32 - 1), data=st.data())

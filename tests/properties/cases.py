@@ -6,8 +6,6 @@ from collections import Counter
 
 from hypothesis import HealthCheck, settings
 
-from exoid import ExoidError
-
 TOTAL = int(os.environ.get("EXOID_PROPERTY_CASES", "480"))
 
 DONE: Counter[str] = Counter()
@@ -30,14 +28,3 @@ def cases(share):
         return limit(test)
 
     return counted
-
-
-def outcome(function, *args, **options):
-    """What a function gives, or the one error it may end in: one line, with a remedy; never anything else."""
-    try:
-        return function(*args, **options)
-    except ExoidError as error:
-        refused = error
-    assert "\n" not in str(refused)
-    assert refused.what.strip()
-    return refused

@@ -4,9 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cases import cases, outcome
+from cases import cases
 from hypothesis import given
 from hypothesis import strategies as st
+from outcomes import outcome
 from planar_chains import random_chain
 
 import exoid

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import cases, outcome
+from cases import cases
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from log_writers import WRITERS
 from lxml import etree
+from outcomes import outcome
 
 import exoid
 from exoid import Estimate, ExoidError, Leg, Recording

@@ -17,6 +17,7 @@ import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_writers import BAGS, WRITERS, arrays, messages, named_columns, write_bag
+from outcomes import outcome
 
 from exoid import ExoidError
 from exoid.signals import Recording
@@ -325,12 +326,6 @@ def test_a_file_that_ends_too_early_is_refused_wherever_it_ends(kind, tmp_path):
     whole = file.read_bytes()
     for share in (0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97):
         file.write_bytes(whole[: int(share * len(whole))])
-        try:
-            result = Recording.from_file(path, resample=False)
-        except ExoidError as error:
-            result = error
+        result = outcome(Recording.from_file, path, resample=False)
         if isinstance(result, Recording):  # a log that was cut off between two of its rows
             np.testing.assert_array_equal(result.q, swing().q[: len(result)])
-        else:
-            assert result.remedy
-            assert "\n" not in str(result)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standing import GRAVITY, mirrored, standing
+from standing import GRAVITY, session
 
 import exoid
 from exoid import Viscous
@@ -16,9 +16,7 @@ from exoid.view.report.page import Picture
 
 @pytest.fixture(scope="module")
 def logs(exo):
-    options = {"seconds": 12.0, "noise": 0.4, "encoder": 1e-4}
-    both, left, right = (standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left")))
-    return [both, left, mirrored(right)]
+    return session(exo, seconds=12.0, noise=0.4, encoder=1e-4)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from closed_machines import cylinder_knee, four_bar_knee, two_rod_ankle
 from drawings import meshes, objects, places, root
 from public_robots import urdf_of
 from scipy.spatial.transform import Rotation
-from standing import mirrored, standing
+from standing import session, standing
 
 import exoid
 from exoid import BaseMotion
@@ -27,9 +27,7 @@ def log(exo):
 
 @pytest.fixture(scope="module")
 def estimate(exo):
-    parts = [standing(exo, "both", seconds=10.0), standing(exo, "left", seconds=10.0, seed=1)]
-    parts += [mirrored(standing(exo, "left", seconds=10.0, seed=2))]
-    return exoid.identify(exo, [part.recording for part in parts], terms=())
+    return exoid.identify(exo, [log.recording for log in session(exo, seconds=10.0)], terms=())
 
 
 def foot(exo, drawn, recording, link, time):

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from logs import clean, of_kind, with_column
+from made_estimates import from_file
 from swings import late
 
 import exoid
@@ -35,8 +36,7 @@ def test_checks_do_not_change_the_values():
 
 def test_findings_stand_in_the_text_and_the_file(late_estimate, tmp_path):
     assert "torque-delay" in str(late_estimate)
-    late_estimate.save(tmp_path / "est.json")
-    loaded = exoid.Estimate.load(tmp_path / "est.json")
+    loaded = from_file(late_estimate, tmp_path)
     assert loaded.findings == late_estimate.findings
     np.testing.assert_array_equal(loaded.evidence.ranges.speed, late_estimate.evidence.ranges.speed)
     assert loaded.identifiability == late_estimate.identifiability
@@ -55,8 +55,7 @@ def test_validation_shifts_torques_by_the_delay_of_the_training(tmp_path):
     bad = late(log, 0.02, range(3))
     mended = exoid.identify(leg, bad, delay="auto")
     assert mended.torque_delays == pytest.approx([0.02] * 3, abs=0.001)
-    mended.save(tmp_path / "est.json")
-    loaded = exoid.Estimate.load(tmp_path / "est.json")
+    loaded = from_file(mended, tmp_path)
     np.testing.assert_array_equal(loaded.torque_delays, mended.torque_delays)
     validation = exoid.validate(loaded, bad)
     right = exoid.validate(exoid.identify(leg, log), log).nrmse

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_estimates import from_file
 from scipy.spatial.transform import Rotation
-from standing import GRAVITY, TERMS, Standing, friction, mirrored, standing, with_imu
+from standing import GRAVITY, TERMS, Standing, friction, mirrored, session, standing, with_imu
 from unchecked import identify
 
 import exoid
@@ -23,10 +24,7 @@ KINDS = "torque-scale", "angle-offset", "unmodelled-force", "torque-offset"
 
 
 def logs(exo, seed=0, seconds=15.0) -> list[Standing]:
-    """Squats on both feet, and each leg swinging while the other stands."""
-    options = {"seconds": seconds, "noise": NOISE, "encoder": ENCODER, "friction": friction}
-    each = [standing(exo, feet, seed=3 * seed + k, **options) for k, feet in enumerate(("both", "left", "left"))]
-    return [each[0], each[1], mirrored(each[2])]
+    return session(exo, 3 * seed, seconds=seconds, noise=NOISE, encoder=ENCODER, friction=friction)
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +54,7 @@ def test_mass_and_segments_follow_without_a_force_plate(exo, estimate):
 
 
 def test_the_estimate_survives_a_file(estimate, tmp_path):
-    estimate.save(tmp_path / "exo.json")
-    again = exoid.Estimate.load(tmp_path / "exo.json")
+    again = from_file(estimate, tmp_path)
     assert (str(again), again.supports, *again.values) == (str(estimate), estimate.supports, *estimate.values)
     recorded = sum(one.samples / one.sample_rate for one in estimate.inputs)
     assert 0.5 * recorded < sum(one.seconds for one in estimate.supports) <= recorded
@@ -514,9 +511,8 @@ def test_checks_say_what_is_wrong_with_contacts(exo, stance):
 
 @pytest.mark.slow
 def test_a_known_payload_is_no_part_of_the_machine(exo):
-    options = {"seconds": 20.0, "noise": 0.1, "encoder": 2e-5} | CARRIED
-    each = [standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left"))]
-    found = identify(exo, [each[0].recording, each[1].recording, mirrored(each[2]).recording], ())
+    logs = session(exo, seconds=20.0, noise=0.1, encoder=2e-5, **CARRIED)
+    found = identify(exo, [log.recording for log in logs], ())
     assert abs(found["M"].value - exo.parameters[0]) < 0.05
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
 

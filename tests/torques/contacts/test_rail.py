@@ -7,11 +7,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import study_rail as study
+from made_estimates import from_file
 
 import exoid
 from exoid import signals
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
-from exoid.estimate import Estimate, ground_forces
+from exoid.estimate import ground_forces
 from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.excitation import MotionLimits, assess
 from exoid.leg.description import describe
@@ -94,8 +95,7 @@ def test_switches_alone_identify_a_hopper_and_its_rail(tmp_path):
     values = dict(zip(found.names, found.values, strict=True))
     assert values["m_base + m_thigh + m_shank"] == pytest.approx(leg.parameters[0], rel=0.005)
     assert values["c0_base_z"] == pytest.approx(drawn.coulomb[0], rel=0.15)
-    found.save(tmp_path / "est.json")
-    again = Estimate.load(tmp_path / "est.json")
+    again = from_file(found, tmp_path)
     assert (again.model.leg.joint_names, again.model.leg.contacts) == (leg.joint_names, leg.contacts)
     force = ground_forces(again, log("press"))["foot"]
     true = run("press").force[np.searchsorted(run("press").time, force.time)]
