@@ -1,4 +1,6 @@
-"""What any input may end in."""
+"""What input may end in: a result, or one error of one line."""
+
+import pytest
 
 from exoid import ExoidError
 
@@ -12,3 +14,12 @@ def outcome(function, *args, **options):
     assert "\n" not in str(refused)
     assert refused.what.strip()
     return refused
+
+
+def refused(kind, call):
+    """The error of this kind, and no other, that a call ends in: one line."""
+    with pytest.raises(kind) as caught:
+        call()
+    assert kind is ExoidError or type(caught.value) is kind
+    assert "\n" not in str(caught.value)
+    return caught.value

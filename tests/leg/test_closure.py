@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from closed_machines import cylinder_knee, four_bar_knee, to_mjcf, two_rod_ankle, welded_knee
+from outcomes import refused
 
 from exoid import Leg, torques
 from exoid.errors import BadArgumentError, ExoidError, NotSupportedError, UnreadableInputError
@@ -150,9 +151,7 @@ WRONG = {
 def test_wrong_loops_are_refused_in_one_line(kind, tmp_path):
     machine, (old, new, error) = four_bar_knee(0), WRONG[kind]
     assert old in machine.loops
-    with pytest.raises(error) as caught:
-        machine.leg(tmp_path, machine.loops.replace(old, new))
-    assert "\n" not in str(caught.value)
+    refused(error, lambda: machine.leg(tmp_path, machine.loops.replace(old, new)))
 
 
 @pytest.mark.parametrize(

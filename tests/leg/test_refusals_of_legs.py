@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from outcomes import refused
 from small_urdfs import BODY, HIP, KNEE, LINKS, URDF, bomb, endless, nearly_coaxial, replaced
 
 import exoid
@@ -208,19 +209,13 @@ REFUSED = {
 
 @pytest.mark.parametrize(("kind", "word", "call"), [(kind, *row) for kind, rows in REFUSED.items() for row in rows])
 def test_it_is_refused_by_its_kind_and_named(kind, word, call):
-    with pytest.raises(kind) as refused:
-        call()
-    assert type(refused.value) is kind
-    assert word in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert word in str(refused(kind, call))
 
 
 def test_refusals_know_their_file_and_their_joints():
-    for error, attribute, value in (
+    for call, attribute, value in (
         (lambda: describe("", "bad.urdf"), "file", "bad.urdf"),
         (lambda: leg(joints=("hip", "kne")), "joints", ("kne",)),
     ):
-        with pytest.raises(exoid.ExoidError) as refused:
-            error()
-        assert getattr(refused.value, attribute) == value
-        assert refused.value.remedy
+        error = refused(exoid.ExoidError, call)
+        assert (getattr(error, attribute), bool(error.remedy)) == (value, True)

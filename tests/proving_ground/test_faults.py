@@ -121,31 +121,21 @@ def test_no_error_is_false(seed, kind):
 
 
 @pytest.mark.parametrize(
-    ("seed", "kind"),
+    ("seed", "kind", "test"),
     [
-        pytest.param(5, "torque-scale", id="a rotor on a vertical axis, 28 times the link"),
-        pytest.param(12, "torque-sign", id="a joint that moves by 0.04 rad"),
-        pytest.param(8, "two-clocks", id="friction that drifts beside a delay"),
+        pytest.param(5, "torque-scale", True, id="a rotor on a vertical axis, 28 times the link"),
+        pytest.param(12, "torque-sign", True, id="a joint that moves by 0.04 rad"),
+        pytest.param(8, "two-clocks", True, id="friction that drifts beside a delay"),
+        pytest.param(7, "impossible-leg", False, id="other friction moves 43 parameters by 6.6 standard deviations"),
+        pytest.param(1006, "change", False, id="dry friction that drifts, and a joint that begins in one direction"),
+        pytest.param(1012, "unmodelled-force", False, id="what a joint holds at rest, within its friction"),
     ],
 )
-def test_the_other_motion_of_a_healthy_machine_has_no_such_finding(seed, kind):
+def test_a_healthy_machine_has_no_such_finding(seed, kind, test):
     machine = draw(seed)
-    found = exoid.check(machine.leg(), simulate(machine, 12.0, test=True).recording)
+    found = exoid.check(machine.leg(), simulate(machine, 12.0, test=test).recording)
     assert kind not in {one.kind for one in found}
-    assert "error" not in {one.severity for one in found if one.kind != "unmodelled-friction"}
-
-
-@pytest.mark.parametrize(
-    ("seed", "kind"),
-    [
-        pytest.param(7, "impossible-leg", id="other friction moves 43 parameters by 6.6 standard deviations in all"),
-        pytest.param(1006, "change", id="dry friction that drifts, and a joint that begins in one direction"),
-        pytest.param(1012, "unmodelled-force", id="what a joint holds at rest, within its friction"),
-    ],
-)
-def test_a_healthy_machine_has_no_such_finding(seed, kind):
-    machine = draw(seed)
-    assert kind not in {one.kind for one in exoid.check(machine.leg(), simulate(machine, 12.0).recording)}
+    assert not test or "error" not in {one.severity for one in found if one.kind != "unmodelled-friction"}
 
 
 @pytest.mark.parametrize(

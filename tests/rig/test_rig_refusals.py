@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from outcomes import refused
 from planar_chains import random_chain
 from rigs import BLEEX, POSE, Swing
 
@@ -142,14 +143,9 @@ REFUSED = {
 
 @pytest.mark.parametrize(("kind", "word", "call"), [(kind, *row) for kind, rows in REFUSED.items() for row in rows])
 def test_it_is_refused_by_its_kind_and_named(kind, word, call):
-    with pytest.raises(kind) as refused:
-        call()
-    assert kind is ExoidError or type(refused.value) is kind
-    assert word in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert word in str(refused(kind, call))
 
 
 def test_the_joint_beyond_its_end_stop_is_evidence():
-    with pytest.raises(BadArgumentError) as refused:
-        run(Plant.build(BLEEX), start=np.array([[0.3], [0.5], [0.1]]))
-    assert refused.value.joints == ("left_knee",)
+    error = refused(BadArgumentError, lambda: run(Plant.build(BLEEX), start=np.array([[0.3], [0.5], [0.1]])))
+    assert error.joints == ("left_knee",)

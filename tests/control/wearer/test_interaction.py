@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from loaded_legs import with_payloads
-from standing import mirrored, standing
+from standing import session, standing
 from walking import Walk
 from worn import filtered, log, push, swing, unworn_estimate
 
@@ -157,9 +157,7 @@ def test_samples_near_the_ends_are_left_out_and_so_are_those_outside_segments(es
 def test_a_foot_on_the_ground_needs_a_measured_wrench():
     exo = exoid.load_exo("bleex", base="floating")
     options = {"seconds": 20.0, "noise": 0.4, "encoder": 1e-4}
-    both, left, other = (standing(exo, feet, seed=k, **options) for k, feet in enumerate(("both", "left", "left")))
-    training = [both.recording, left.recording, mirrored(other).recording]
-    estimate = exoid.identify(exo, training, terms=())
+    estimate = exoid.identify(exo, [log.recording for log in session(exo, **options)], terms=())
     log = standing(exo, "left", seed=7, **options)
     with pytest.raises(ExoidError):
         exoid.interaction(estimate, log.recording)
