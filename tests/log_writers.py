@@ -24,10 +24,6 @@ def named_columns(recording):
     return columns
 
 
-def write_parquet(path, recording):
-    polars.DataFrame(named_columns(recording)).write_parquet(path)
-
-
 def write_opensim(path, time, columns, *, degrees=False, header=None, separator="\t"):
     """Write a motion or storage file as OpenSim does.
 
@@ -59,11 +55,6 @@ def write_opensim(path, time, columns, *, degrees=False, header=None, separator=
 def write_npz(path, recording):
     with path.open("wb") as file:
         np.savez_compressed(file, time=recording.time, joint_names=recording.joint_names, **arrays(recording))
-
-
-def write_npz_of_columns(path, recording):
-    with path.open("wb") as file:
-        np.savez(file, **named_columns(recording))
 
 
 def write_mat(path, recording):
@@ -125,18 +116,6 @@ def write_bag(path, topics, *, plugin=StoragePlugin.MCAP, late=0, compress=None)
                 bag.write(connection, stamp + late, raw)
 
 
-def write_mcap(path, recording):
-    write_bag(path, {"/joint_states": messages(recording), "/chatter": "hello"})
-
-
-def write_sqlite(path, recording):
-    write_bag(path, {"/joint_states": messages(recording)}, plugin=StoragePlugin.SQLITE3)
-
-
-def write_ros1(path, recording):
-    write_bag1(path, messages(recording))
-
-
 def write_bag1(path, content, *, compress=False):
     """Write a ROS 1 bag of messages."""
     store = get_typestore(Stores.ROS1_NOETIC)
@@ -164,14 +143,14 @@ def write_columns(path, **columns):
 
 
 WRITERS = {
-    "log.parquet": write_parquet,
+    "log.parquet": lambda path, log: write_columns(path, **named_columns(log)),
     "log.npz": write_npz,
-    "columns.npz": write_npz_of_columns,
+    "columns.npz": lambda path, log: write_columns(path, **named_columns(log)),
     "log.mat": write_mat,
     "struct.mat": write_mat_struct,
-    "mcap_bag": write_mcap,
-    "sqlite_bag": write_sqlite,
-    "ros1.bag": write_ros1,
+    "mcap_bag": lambda path, log: write_bag(path, {"/joint_states": messages(log), "/chatter": "hello"}),
+    "sqlite_bag": lambda path, log: write_bag(path, {"/joint_states": messages(log)}, plugin=StoragePlugin.SQLITE3),
+    "ros1.bag": lambda path, log: write_bag1(path, messages(log)),
 }
 """Every kind, by the name of a file of it; bags have no accelerations, and their time starts at zero."""
 

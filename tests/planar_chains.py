@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from exoid import Leg
@@ -152,53 +151,23 @@ class PlanarURDF:
         return out.ravel()
 
 
+def random_segment(rng: np.random.Generator, *, continuous: bool) -> Segment:
+    """Draw the structure of a segment, then its numbers."""
+    sign, offset = int(rng.choice([-1, 1])), rng.uniform(-0.5, 0.5, 3)
+    turned, attached, spaced = (bool(rng.integers(2)) for _ in range(3))
+    turns = continuous and bool(rng.integers(2))
+    frame = pin.rpy.rpyToMatrix(rng.uniform(-3, 3, 3)) if turned else np.eye(3)
+    hung = (_placement(rng), Body.random(rng)) if attached else None
+    return Segment(sign, offset, frame, Body.random(rng), hung, _placement(rng) if spaced else None, turns)
+
+
 def random_chain(
     rng: np.random.Generator, length: int | None = None, *, axis: str | None = None, continuous: bool = False
 ) -> PlanarURDF:
     """Draw a chain of the given length (1 to 5 where none is given)."""
     n = int(rng.integers(1, 6)) if length is None else length
-    segments = tuple(
-        random_segment(
-            rng,
-            sign=int(rng.choice([-1, 1])),
-            offset=rng.uniform(-0.5, 0.5, 3),
-            turned=bool(rng.integers(2)),
-            attached=bool(rng.integers(2)),
-            spaced=bool(rng.integers(2)),
-            continuous=continuous and bool(rng.integers(2)),
-        )
-        for _ in range(n)
-    )
+    segments = tuple(random_segment(rng, continuous=continuous) for _ in range(n))
     return PlanarURDF(segments, axis or str(rng.choice(["x", "y"])))
-
-
-def random_segment(
-    rng: np.random.Generator, *, sign: int, offset: Array, turned: bool, attached: bool, spaced: bool, continuous: bool
-) -> Segment:
-    """Draw the numbers of a segment whose structure is given."""
-    frame = pin.rpy.rpyToMatrix(rng.uniform(-3, 3, 3)) if turned else np.eye(3)
-    hung = (_placement(rng), Body.random(rng)) if attached else None
-    return Segment(sign, offset, frame, Body.random(rng), hung, _placement(rng) if spaced else None, continuous)
-
-
-@st.composite
-def planar_chains(draw: st.DrawFn, *, continuous: bool = True) -> PlanarURDF:
-    """Chains whose structure hypothesis draws and shrinks; masses and frames come from a drawn seed."""
-    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    length = st.floats(-1.0, 1.0, allow_subnormal=False)
-    segments = tuple(
-        random_segment(
-            rng,
-            sign=draw(st.sampled_from([1, -1])),
-            offset=np.array([draw(length), draw(length), draw(length)]),
-            turned=draw(st.booleans()),
-            attached=draw(st.booleans()),
-            spaced=draw(st.booleans()),
-            continuous=continuous and draw(st.booleans()),
-        )
-        for _ in range(draw(st.integers(1, 5)))
-    )
-    return PlanarURDF(segments, draw(st.sampled_from(["y", "x"])))
 
 
 def random_motion(

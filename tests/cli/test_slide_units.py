@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from small_urdfs import BODY
+from swings import harmonics
 
 import exoid
 from exoid.view.report.fit import friction_blocks, predict_recording, torque_blocks
@@ -25,8 +26,7 @@ def folder(tmp_path_factory):
     (folder / "lift.urdf").write_text(URDF, encoding="utf-8")
     leg, time = exoid.Leg.from_urdf(folder / "lift.urdf"), np.arange(1600) / 200.0
     w, size = 2.0 * np.pi * np.array([[0.3, 0.7, 1.1]]), np.array([[0.05, 0.03, 0.015], [0.5, 0.3, 0.15]])
-    phase = np.outer(time, w) + np.array([0.0, 1.0, 2.0])
-    q, v, a = np.sin(phase) @ size.T, (w * np.cos(phase)) @ size.T, (-(w**2) * np.sin(phase)) @ size.T
+    q, v, a = harmonics(time, size, w, np.array([0.0, 1.0, 2.0]))
     friction = np.array([14.0, 1.0]) * np.tanh(v / [1e-3, 0.01]) + np.array([20.0, 0.5]) * v
     tau = leg.inverse_dynamics(q, v, a) + friction
     tau += np.random.default_rng(0).normal(0.0, [0.5, 0.05], tau.shape)

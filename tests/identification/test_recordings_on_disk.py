@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from log_writers import write_parquet
+from log_writers import named_columns, write_columns
 from swings import TERMS, Swing
 from unchecked import identify
 
@@ -26,7 +26,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("logs")
     for seed in range(4):
         recording(seed).to_csv(path / f"part.{seed + 8}.csv")
-    write_parquet(path / "part.12.parquet", recording(4))
+    write_columns(path / "part.12.parquet", **named_columns(recording(4)))
     (path / "notes.md").write_text("not a log")
     return path
 
