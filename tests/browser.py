@@ -56,7 +56,7 @@ class Browser:
         """Open an address, wait until it is loaded, and close it afterwards."""
         from websockets.sync.client import connect  # noqa: PLC0415 - tests that need no browser need no websockets
 
-        with connect(_endpoint(self.port), max_size=None) as socket:
+        with connect(f"ws://127.0.0.1:{self.port[0]}{self.port[1]}", max_size=None) as socket:
             target = Page(socket, None).send("Target.createTarget", url="about:blank")["targetId"]
             attached = Page(socket, None).send("Target.attachToTarget", targetId=target, flatten=True)
             page = Page(socket, attached["sessionId"])
@@ -196,7 +196,3 @@ def _port(file, process):
             return tuple(lines)
         time.sleep(0.05)
     raise TimeoutError("Chromium does not answer")
-
-
-def _endpoint(port):
-    return f"ws://127.0.0.1:{port[0]}{port[1]}"

@@ -13,11 +13,6 @@ from exoid.view.scenes import Scene
 HEADINGS = ("h1", "h2", "h3", "h4")
 
 
-def parsed(html):
-    """The page's tree; html5lib in strict mode raises on an unclosed or misplaced tag."""
-    return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(html)
-
-
 @contextmanager
 def undrawn():
     """Reports without drawings and scenes, which take most of the time: for tests of their words."""
@@ -29,7 +24,7 @@ def undrawn():
 
 def check(html, largest=5e6):
     """One title, headings in order, words for every picture, nothing from outside, and not too large."""
-    tree = parsed(html)
+    tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(html)  # raises on a misplaced tag
     assert len(html.encode()) < largest
     assert tree.get("lang") == "en"
     assert tree.findtext(".//title")

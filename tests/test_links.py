@@ -24,14 +24,10 @@ def links_of(page):
     ]
 
 
-def anchor_of(heading):
-    """What a heading is called in a link."""
-    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
-
-
 def headings_of(page):
     """Headings of a page, as links call them."""
-    return {anchor_of(heading) for heading in re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)}
+    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8").lower(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading).replace(" ", "-") for heading in headings}
 
 
 def test_links_lead_somewhere():

@@ -10,6 +10,7 @@ from compiled_laws import build, compile_laws, records, write_all
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws_of_bleex import KD, LIMIT, laws, model, observer, random_values, torques_in_python
+from planar_chains import assert_relative
 
 from exoid.codegen import Safety, c_source
 from exoid.control import default_gains
@@ -36,10 +37,6 @@ def library(tmp_path_factory):
     sources = [source_of(name, precision) for name in NAMES for precision in ("double", "float")]
     sources.append(c_source(observer(), name="momentum_observer_double"))
     return compile_laws(sources, folder)
-
-
-def assert_relative(found, expected, tolerance):
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=tolerance * np.abs(expected).max())
 
 
 @pytest.mark.slow

@@ -39,13 +39,6 @@ def noisy(swing, seed, angle=ANGLE, torque=TORQUE):
     )
 
 
-def poses(swing, count=40):
-    rng = np.random.default_rng(5)
-    q = rng.uniform(-0.5, 0.5, (count, len(swing.leg.joint_names)))
-    tau = swing.leg.inverse_dynamics(q, 0.0 * q, 0.0 * q) + 0.02 * rng.standard_normal(q.shape)
-    return Poses(q, tau, swing.leg.joint_names)
-
-
 def relative(estimate, swing):
     return np.abs(estimate.values / swing.truth - 1.0)
 
@@ -133,8 +126,10 @@ def test_it_is_nearer_to_the_truth_than_least_squares_at_a_cutoff_that_is_too_hi
 def test_what_it_cannot_fit_is_refused(swing, spacing):
     with pytest.raises(ExoidError):
         identify(swing.leg, noisy(swing, 8), TERMS, JointML(spacing))
+    log = noisy(swing, 5)
+    poses = Poses(log.q[:5], log.tau[:5], log.joint_names)
     with pytest.raises(ExoidError, match="ml fits motions of the leg in the air, without poses"):
-        identify(swing.leg, [noisy(swing, 5), poses(swing)], TERMS, "ml")
+        identify(swing.leg, [log, poses], TERMS, "ml")
 
 
 def test_rows_with_the_motion_eliminated_have_the_normal_equations_and_the_score(system, swing):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from log_writers import named_columns, write_columns
-from swings import TERMS, Swing
+from swings import TERMS, Swing, coloured
 from unchecked import identify
 
 import exoid
@@ -14,11 +14,8 @@ SWING = Swing(exoid.load_leg("bleex"), 100.0, 30.0)
 
 def recording(seed: int) -> Recording:
     """Correlated noise on the torques, and a motion that differs from seed to seed."""
-    rng = np.random.default_rng(seed)
-    noise = rng.normal(size=SWING.torque.shape)
-    for k in range(1, len(noise)):
-        noise[k] += 0.8 * noise[k - 1]
-    return SWING.recording(tau=SWING.torque + 0.3 * noise).slice(100 * seed, 2900 - 50 * seed)
+    noise = coloured(np.random.default_rng(seed), SWING.torque.shape, 0.8)
+    return SWING.recording(tau=SWING.torque + 0.5 * noise).slice(100 * seed, 2900 - 50 * seed)
 
 
 @pytest.fixture(scope="module")

@@ -270,14 +270,10 @@ def test_a_choice_that_does_not_transfer_to_faster_motion_is_warned_of(selection
     assert short.to_json()["candidates"][0]["fast"] == [None, None]
 
 
-def poses(recording):
-    return Poses(recording.q[:5], recording.tau[:5], recording.joint_names)
-
-
 REFUSED = {
     "too few folds": (lambda log: log, {"folds": 2}, BadArgumentError),
     "no recordings": (lambda log: [], {}, BadArgumentError),
-    "poses": (lambda log: [poses(log)], {}, BadArgumentError),
+    "poses": (lambda log: [Poses(log.q[:5], log.tau[:5], log.joint_names)], {}, BadArgumentError),
     "a joint at rest": (lambda log: replace(log, q=log.q * [0.0, 1.0], v=None, a=None), {}, ExoidError),
     "too short": (lambda log: log.slice(0, 90), {}, ExoidError),
     "no torque of the knee": (lambda log: replace(log, tau=log.tau * [1.0, np.nan]), {}, NotIdentifiableError),

@@ -19,10 +19,6 @@ def model_of(name: str, *, floating: bool = False) -> pin.Model:
     return pin.buildModelFromUrdf(path, pin.JointModelFreeFlyer()) if floating else pin.buildModelFromUrdf(path)
 
 
-def xml_of(name: str) -> ET.Element:
-    return ET.parse(ROOT / "urdf" / name).getroot()
-
-
 def test_the_double_pendulum_has_the_published_model():
     model = model_of("dfki_double_pendulum.urdf")
     published_model = {"shoulder": (0.608, 0.275, 0.05472), "elbow": (0.630, 0.166, 0.02522)}
@@ -53,7 +49,7 @@ def expected_joints(name: str) -> dict[str, tuple]:
 
 @pytest.mark.parametrize("name", URDFS)
 def test_joints_have_their_names_axes_and_limits(name):
-    joints = {joint.get("name"): joint for joint in xml_of(name).findall("joint")}
+    joints = {joint.get("name"): joint for joint in ET.parse(ROOT / "urdf" / name).iterfind("joint")}
     assert set(joints) == set(expected_joints(name))
     for joint_name, (axis, degrees, effort, velocity) in expected_joints(name).items():
         joint = joints[joint_name]

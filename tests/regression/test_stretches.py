@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from swings import TERMS, Swing
+from swings import TERMS, Swing, coloured
 from unchecked import identify
 
 import exoid
@@ -21,11 +21,8 @@ WITH_GAPS = (Coulomb(dead_band=0.1, reversal_speed=0.0), Viscous(), Offset())
 
 def recording(seed: int = 0) -> Recording:
     """Correlated noise on the torques."""
-    rng = np.random.default_rng(seed)
-    noise = rng.normal(size=SWING.torque.shape)
-    for k in range(1, len(noise)):
-        noise[k] += 0.8 * noise[k - 1]
-    return SWING.recording(tau=SWING.torque + 0.3 * noise)
+    noise = coloured(np.random.default_rng(seed), SWING.torque.shape, 0.8)
+    return SWING.recording(tau=SWING.torque + 0.5 * noise)
 
 
 @pytest.fixture

@@ -41,12 +41,8 @@ class Reduced(NamedTuple):
         return solve(r_factor, self.names)
 
 
-def stacked(rows):
-    return rows.W.reshape(-1, rows.W.shape[-1]), rows.tau.ravel()
-
-
 def test_the_triangle_gives_what_lstsq_gives_on_all_rows(rows, swing):
-    W, tau = stacked(rows)
+    W, tau = rows.W.reshape(-1, rows.W.shape[-1]), rows.tau.ravel()
     expected, (squares,), _, _ = np.linalg.lstsq(W, tau)
     r_factors = factorize_rows(rows)
     solution = ols(Reduced(r_factors, TorqueModel(swing.leg, TERMS).names)).solution

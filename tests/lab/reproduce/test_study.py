@@ -21,10 +21,6 @@ def p95(errors):
     return np.percentile(np.abs(errors), 95, axis=0)
 
 
-def errors_of(sides, names):
-    return np.array([[side.joint.value(name) - side.truth[name] for name in names] for side in sides])
-
-
 @pytest.fixture(scope="module")
 def bleex():
     replays = reproduce.reproduce_bleex(SEED, REPLICATES)
@@ -35,7 +31,8 @@ def bleex():
 def test_bleex_within_its_figures_at_the_95th_percentile(bleex, name):
     sides = bleex[name]
     names = tuple(sides[0].truth)
-    worst = dict(zip(names, p95(errors_of(sides, names)), strict=True))
+    errors = np.array([[side.joint.value(name) - side.truth[name] for name in names] for side in sides])
+    worst = dict(zip(names, p95(errors), strict=True))
     share = {key: worst[key] / abs(sides[0].truth[key]) for key in ("X1", "X2", "X3", "J1", "J2", "J3")}
     ratio = p95([side.nrmse["joint"] / side.nrmse["truth"] for side in sides])
     nrmse = p95([side.nrmse["joint"] for side in sides])
