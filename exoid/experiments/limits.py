@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import ArrayLike, FloatArray
 from exoid.errors import BadArgumentError
+from exoid.leg.description import LARGEST_ANGLE
 from exoid.leg.joint_numbers import for_joints
 from exoid.leg.leg import Leg
 from exoid.rig import Reference
@@ -81,9 +82,11 @@ class MotionLimits:
         """
         own, n, given = leg.limits, len(leg.joint_names), angles_deg or {}
         for k, names in enumerate(zip(leg.joint_names, leg.joint_labels, strict=True)):
-            if leg.model.joints[k + 1].nq == 1 and not np.isfinite(own.lower[k]) and given.keys().isdisjoint(names):
+            ends = own.lower[k], own.upper[k]
+            odd = leg.model.joints[k + 1].nq == 1 and not max(map(abs, ends)) < 1.01 * LARGEST_ANGLE  # none, or degrees
+            if odd and given.keys().isdisjoint(names):
                 raise BadArgumentError(
-                    f"the URDF has no limits of joint {names[0]!r}, which is not continuous",
+                    "the URDF has no limits in rad or m of joint {!r}, but {:.4g} to {:.4g}".format(names[0], *ends),
                     remedy=f"give the range that is safe, in degrees or mm: angles_deg={{{names[0]!r}: (low, high)}}",
                     command=f"give the range that is safe, in degrees or mm: --angles {names[0]}=LOW:HIGH",
                     joints=(names[0],),

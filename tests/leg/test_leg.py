@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mujoco_torques import mujoco_model, mujoco_torque
 from planar_chains import assert_relative, random_chain, random_motion
+from small_urdfs import replaced
 
 import exoid
 from exoid import Leg, TorsoMotion
@@ -110,6 +111,18 @@ def test_continuous_joints_compute_like_revolute_ones_and_have_no_limits():
     np.testing.assert_array_equal(turning.limits.lower, [-np.inf] * 3)
     np.testing.assert_array_equal(turning.limits.upper, [np.inf] * 3)
     np.testing.assert_array_equal(revolute.limits.upper, [3.0] * 3)
+
+
+@pytest.mark.parametrize(("limit", "kept"), [("6.2832", True), ("90", False)])
+def test_limits_in_degrees_are_named_before_a_plan_is_made(limit, kept):
+    text = replaced('lower="-2" upper="0"', f'lower="-{limit}" upper="{limit}"')
+    leg = Leg.from_description(describe(text), ("hip", "knee"))
+    if kept:
+        assert MotionLimits.of(leg, margin=0.0).upper[1] == float(limit)
+        return
+    with pytest.raises(BadArgumentError, match="no limits in rad or m of joint 'knee', but -90 to 90") as refused:
+        MotionLimits.of(leg)
+    assert "--angles knee=LOW:HIGH" in refused.value.for_command()
 
 
 def test_zeros_of_a_cad_exporter_are_no_limits(tmp_path):
