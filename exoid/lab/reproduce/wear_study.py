@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -138,7 +138,8 @@ def wear(
     refuse_motion_beyond_limits(truth.leg, intention, period)
     wearer = Wearer.build(truth.leg, height, mass, roles=roles, intention=intention)
     law = partial(sensitivity_amplification, bandwidth=bandwidth, rate=rate)
-    sources: dict[str, ModelSource] = {"cad": cad, "identified": identified, "truth": ControlModel.of(truth)}
+    drawing, exact = (replace(ControlModel.of(one), passive=identified.passive) for one in (cad, truth))
+    sources: dict[str, ModelSource] = {"cad": drawing, "identified": identified, "truth": exact}
     if largest is None:
         # Largest amplification that is tried, over the largest that is used.
         largest = _largest(sources, truth, wearer, law, 2.0 * most, seed, poses_of(truth.leg, None, roles))

@@ -73,6 +73,16 @@ def test_a_model_that_is_unstable_without_amplification_is_refused_by_name(cuhk)
         reproduce.wear(cuhk, largest=given)
 
 
+def test_no_model_drives_a_passive_joint(cuhk):
+    """Else CAD and truth seem to help at a joint without an actuator, where an identified model cannot."""
+    inputs = tuple(replace(one, passive=("left_knee",)) for one in cuhk.identified.inputs)
+    found = largest_amplification(cuhk.cad, truth=cuhk.cad, poses=[0.2, 0.7])
+    passive = cuhk._replace(identified=replace(cuhk.identified, inputs=inputs))
+    felt = reproduce.wear(passive, largest=dict.fromkeys(("cad", "identified", "truth"), found)).felt
+    assert all(np.abs(each.run.tau[:, 1]).max() < 1e-9 for each in felt.values())
+    assert min(np.abs(felt[name].run.tau[:, 0]).max() for name in ("cad", "identified", "truth")) > 1.0
+
+
 def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(cuhk):
     assert dict(zip(cuhk.cad.parameter_names, cuhk.cad.parameters, strict=True)) == pytest.approx(
         published.cuhk_cad_parameters()
