@@ -9,7 +9,7 @@ import scipy  # its parts load when they are first used
 from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
-from exoid.errors import NotIdentifiableError
+from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import ordered
@@ -178,6 +178,9 @@ def started(settings: Settings, state: State, start: Estimate) -> State:
     R = state.information.R.copy()
     table = np.zeros((settings.count + 1, settings.count + 1))
     table[:-1, :-1], table[:-1, -1] = root, root @ start.values
+    if np.abs(table).max() > 1e150:  # whose squares no number holds
+        what = "the start has values or standard deviations that no leg has"
+        raise BadArgumentError(what, where=start.leg.description.name, remedy="identify the leg again")
     R[-1] = np.linalg.qr(table, mode="r")
     information = Information(R, np.append(np.zeros(settings.n), start.dof))
     state = state._replace(information=information, checkpoints=(information,) * 3)

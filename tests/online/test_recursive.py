@@ -1,6 +1,7 @@
 """The recursive estimator: equal to the batch, in constant memory, and undisturbed by what streams bring."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,6 +157,9 @@ def test_it_begins_with_an_estimate_that_another_session_saved(leg, truth, tmp_p
     q, v, a, tau = swing(leg, truth, 20.0, seed=7)
     online.update(q, None, None, tau)
     assert (np.abs(online.estimate.values - truth) <= 4.0 * start.std + 0.01 * np.abs(truth)).all()
+    damaged = replace(start, values=np.append(start.values[:-1], 1e304))
+    with pytest.raises(BadArgumentError, match="no leg has"):
+        RecursiveEstimator(leg, TERMS, rate=RATE, start=damaged)
 
 
 def test_samples_that_cannot_be_are_left_out_and_counted(leg, truth):
