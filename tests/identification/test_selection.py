@@ -167,8 +167,7 @@ def test_what_is_known_is_held_by_every_candidate(leg):
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(("wrong", "chosen"), [(0.0, "by joint, Y2 of the URDF"), (0.05, "by joint")])
-def test_a_segment_that_the_urdf_says_is_symmetric_is_taken_for_it_unless_the_rows_speak_against_it(wrong, chosen):
-    leg = exoid.load_leg("cuhk")
+def test_a_segment_that_the_urdf_says_is_symmetric_is_taken_for_it_unless_the_rows_speak_against_it(wrong, chosen, leg):
     leg = leg.with_parameters(leg.parameters * [1.0, 1.0, 1.0, 1.0, 0.0, 1.0])
     true = leg.with_parameters(leg.parameters + wrong * np.eye(6)[4])
     found = select_terms(leg, recorded(true, plain, seconds=30.0, rate=20.0), folds=3)
