@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,6 +56,11 @@ class Comparison(ReadOnly, Report):
         """Whether the legs differ, at 5 %, all parameters together."""
         return self.p_value < SIGNIFICANT
 
+    @property
+    def different(self) -> tuple[str, ...]:
+        """Parameters that differ, at 5 % of all."""
+        return tuple(name for name, p in zip(self.names, self.adjusted, strict=True) if p < SIGNIFICANT)
+
     def to_json(self) -> dict[str, Any]:
         """Turn a comparison into what JSON can hold.
 
@@ -71,7 +76,7 @@ class Comparison(ReadOnly, Report):
 
     def __repr__(self) -> str:
         """Name the parameters that differ."""
-        return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self._different()) or 'none'})"
+        return f"Comparison(p_value={self.p_value:.3g}, different: {', '.join(self.different) or 'none'})"
 
     def _report(self) -> list[DataTable | str]:
         """Title, table, and conclusion."""
@@ -83,17 +88,13 @@ class Comparison(ReadOnly, Report):
         ]
         table = make_table(("parameter", "difference", "± std", "unit", "p", "p of all (Holm)"), rows)
         conclusion = "the estimates differ" if self.differ else "no difference beyond their errors"
-        names = ", ".join(self._different())
         return [
             f"Second less first estimate, {len(rows)} common parameters",
             table,
             f"all together: F = {self.statistic:.2f}, p = {self.p_value:.2g}: {conclusion}",
-            f"different at 5 % of all: {names or 'none'}",
+            f"different at 5 % of all: {', '.join(self.different) or 'none'}",
             *(f"note: {note}" for note in self.notes),
         ]
-
-    def _different(self) -> list[str]:
-        return [name for name, p in zip(self.names, self.adjusted, strict=True) if p < SIGNIFICANT]
 
 
 def compare(first: EstimateData, second: EstimateData) -> Comparison:
@@ -136,18 +137,23 @@ def compare(first: EstimateData, second: EstimateData) -> Comparison:
     held = np.array([name in first.prior_knowledge.known and name in second.prior_knowledge.known for name in names])
     C1, C2 = first.covariance[np.ix_(one, one)], second.covariance[np.ix_(other, other)]
     dof1, dof2, least = first.dof_each[one], second.dof_each[other], min(first.dof, second.dof)
-    notes = _notes(first, second)
-    if not shared:
-        dof = welch(np.diag(C1), np.diag(C2), dof1, dof2)
-        return wald(names, units, difference, C1 + C2, dof, least, held=held, notes=notes)
-    sources = ", ".join(dict.fromkeys(source.name for source in first.inputs if source.sha256 in shared))
-    note = (
-        f"both estimates were made from {sources}: their errors depend on each other, so ± is the largest error "
-        "that the difference can have, the sum of both, and p-values are upper bounds"
-    )
-    # of dependent errors: the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)
-    std, C, dof = np.sqrt(np.diag(C1)) + np.sqrt(np.diag(C2)), 2.0 * (C1 + C2), np.minimum(dof1, dof2)
-    return wald(names, units, difference, C, dof, least, held=held, notes=(note, *notes), std=std)
+    notes, std, C, dof = _notes(first, second), None, C1 + C2, welch(np.diag(C1), np.diag(C2), dof1, dof2)
+    if shared:  # of dependent errors: the sum of standard deviations (Cauchy and Schwarz), and 2 (C₁ + C₂)
+        std, C, dof = np.sqrt(np.diag(C1)) + np.sqrt(np.diag(C2)), 2.0 * C, np.minimum(dof1, dof2)
+        sources = ", ".join(dict.fromkeys(source.name for source in first.inputs if source.sha256 in shared))
+        note = (
+            f"both estimates were made from {sources}: their errors depend on each other, so ± is the largest error "
+            "that the difference can have, the sum of both, and p-values are upper bounds"
+        )
+        notes = (note, *notes)
+    found = wald(names, units, difference, C, dof, least, held=held, notes=notes, std=std)
+    doubts = [one for each in (first, second) for one in each.findings if one.severity != "info"]
+    doubtful = [name for name in found.different if any(name in one.parameters for one in doubts)]
+    if doubtful:
+        kinds = dict.fromkeys(one.kind for one in doubts if not set(one.parameters).isdisjoint(doubtful))
+        note = f"{', '.join(doubtful)} may differ by what was found in the logs ({', '.join(kinds)}), not by the leg"
+        found = replace(found, notes=(*found.notes, note))
+    return found
 
 
 def wald(

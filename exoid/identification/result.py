@@ -10,7 +10,6 @@ from itertools import pairwise
 from typing import cast
 
 import numpy as np
-import scipy  # its parts load when they are first used
 
 from exoid._typing import FloatArray
 from exoid.estimate.comparison import equality_of
@@ -41,7 +40,7 @@ from .checkup import fitted_leg, logs_apart
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import check_fit
-from .findings.physics import impossible_leg, mass_scale, never_negative, unbalanced
+from .findings.physics import impossible_leg, mass_scale, negative_parameters, unbalanced
 from .friction_form import friction_form_error
 from .ground_faults import unlike_logs
 from .group_rows import Group
@@ -133,6 +132,7 @@ class Result:
             main, residual_rms = _at_one_cutoff(model.leg.joint_names, [problem.groups[k] for k in parts], supports)
         factors = [each for one in self._ordinary(parts) for each in one.r_factors]
         assert main.preparation is not None
+        negative = negative_parameters(model, values, np.sqrt(np.diag(covariance)))
         return Estimate(
             model=model,
             values=values,
@@ -143,10 +143,10 @@ class Result:
             estimator=fit.name or name_of(self.estimator),
             preparation=main.preparation,
             inputs=self.inputs,
-            warnings=(*common, *negative(model, values, np.sqrt(np.diag(covariance)))),
+            warnings=common,
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
-            findings=ordered((*rows.findings, *(self.fitted.findings if first == 0 else ()))),  # said once
+            findings=ordered((*rows.findings, *(self.fitted.findings if first == 0 else ()), *negative)),  # said once
             torque_delays=np.zeros(len(model.leg.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,
             evidence=Evidence(
@@ -265,12 +265,3 @@ def _at_one_cutoff(
             of_rows[LOOP if row.startswith(LOOP) else row].append((shares[0] / share * rms**2, one.seconds))
     squares = [np.array(of_rows.get(joint) or of_rows.get(LOOP) or [(0.0, 1.0)]).T for joint in joints]
     return main, np.array([math.sqrt(np.average(mean, weights=seconds)) for mean, seconds in squares])
-
-
-def negative(model: TorqueModel, values: FloatArray, std: FloatArray) -> tuple[str, ...]:
-    """Name friction, rotor inertia and a segment's J that are negative by more than their error."""
-    limit = float(scipy.stats.norm.ppf(1.0 - 0.005))  # in 0.5 % of parameters that are zero
-    below = never_negative(model) & (values < 0.0) & (values < -limit * std)
-    names = ", ".join(name for name, is_below in zip(model.names, below, strict=True) if is_below)
-    text = f"{names} negative beyond error, which nature does not allow: a term is missing, a sign is wrong, or the "
-    return (f"{text}torque is not that of this joint",) if below.any() else ()

@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import ordered
-from exoid.identification.findings.physics import unbalanced
+from exoid.identification.findings.physics import negative_parameters, unbalanced
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RANK, ROUNDING, TINY, RFactor, Solution, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
@@ -164,7 +164,8 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
         inputs=(Input("stream", "", state.samples, settings.rate, passive=settings.passive),),
         evidence=Evidence(parameter_scale=scale, cutoff_source=source),
     )
-    apart = unbalanced(model, ([one] for one in factors[:-1]), found.values)
+    apart = [*unbalanced(model, ([one] for one in factors[:-1]), found.values)]
+    apart += negative_parameters(model, found.values, found.std)
     return replace(found, findings=ordered([*findings_of(settings, state, stream), *doubts_of(found, state), *apart]))
 
 

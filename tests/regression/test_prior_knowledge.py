@@ -108,9 +108,11 @@ def negative_friction(swing, std=0.05):
 def test_friction_that_is_negative_beyond_its_error_is_named_not_hidden(swing):
     estimate = identify(swing.leg, negative_friction(swing), TERMS, preparation=PLAIN)
     assert estimate.value("d_knee") < -5.0 * estimate["d_knee"].std
-    assert any("d_knee negative beyond error" in warning for warning in estimate.warnings)
+    (found,) = estimate.findings
+    assert (found.kind, found.severity, found.parameters) == ("negative-parameter", "warning", ("d_knee",))
+    assert estimate["d_knee"].identifiability == "weakly"
     fine = identify(swing.leg, swing.with_noise(np.random.default_rng(2), 0.05), TERMS, preparation=PLAIN)
-    assert not fine.warnings
+    assert not fine.findings
 
 
 def test_an_inertia_that_cannot_be_is_named_in_a_warning(data):
@@ -121,7 +123,7 @@ def test_an_inertia_that_cannot_be_is_named_in_a_warning(data):
     odd = exoid.Recording(time=data.train.time, q=q, tau=tau, joint_names=data.train.joint_names)
     estimate = exoid.identify(data.leg, odd, (exoid.Coulomb(), exoid.Viscous()))
     assert estimate.value("J3") < 0.0
-    assert any("J3 negative beyond error" in warning for warning in estimate.warnings)
+    assert ("negative-parameter", ("J3",)) in {(one.kind, one.parameters) for one in estimate.findings}
 
 
 @pytest.mark.parametrize("estimator", ["ols", "wls", "huber"])

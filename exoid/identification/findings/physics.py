@@ -170,6 +170,18 @@ def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
     return np.asarray(model.nonnegative | np.array([name in rigid and name[0] in "JM" for name in model.names]))
 
 
+def negative_parameters(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
+    """Find friction, rotor inertia and a segment's J that are negative by more than their error."""
+    limit = float(scipy.stats.norm.ppf(1.0 - 0.005))  # in 0.5 % of parameters that are zero
+    below = np.flatnonzero(never_negative(model) & (values < 0.0) & (values < -limit * std))
+    if below.size:
+        names = tuple(np.array(model.names)[below].tolist())
+        severity = SEVERITIES[1 if (values < -IMPOSSIBLE * std)[below].any() else 2]
+        message = f"{', '.join(names)} negative beyond error, which nature does not allow"
+        remedy = "look for a term that is missing (exoid select), a wrong sign, or the torque of another joint"
+        yield Finding("negative-parameter", "", float(len(below)), "1", severity, message, remedy, parameters=names)
+
+
 def _segments(leg: Leg, values: FloatArray) -> FloatArray:
     """Values of (X, Y, J) of each segment among all, (n, 3)."""
     rigid = len(leg.parameter_names)

@@ -123,7 +123,7 @@ def test_negative_rotor_inertia_is_a_warning():
     leg, log = clean()
     less = 0.5 * leg.parameters[5] * acceleration(log)[:, 1]
     estimate = exoid.identify(leg, with_column(log, "tau", 1, lambda x: x - less))
-    assert any(text.startswith("Ia_knee negative beyond error") for text in estimate.warnings)
+    assert ("negative-parameter", ("Ia_knee",)) in {(one.kind, one.parameters) for one in estimate.findings}
 
 
 def test_a_shared_factor_of_torque_and_model_changes_no_finding():
