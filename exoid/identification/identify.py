@@ -180,7 +180,6 @@ def identify(
     fitted = fitted._replace(findings=(*fitted.findings, *found))
     result = replace(result, fitted=fitted, covariance=result.covariance + doubt)
     if problem.groups[0].name == "":
-        estimate = result.estimate(0, result.warnings)
-        estimate = result.checked(estimate, 0) if check else estimate
+        estimate = result.estimate(0, result.warnings, check=check)
         return share_alike(estimate, alike) if alike else estimate
     return result.grouped(check=check)

@@ -114,8 +114,14 @@ class Result:
             warnings=(*fitted.warnings, *collinearity.warnings(problem.names), *short),
         )
 
-    def estimate(self, group: int, common: tuple[str, ...]) -> Estimate:
-        """Make the estimate of one group, its covariance the group's block of the whole."""
+    def estimate(self, group: int, common: tuple[str, ...], *, check: bool) -> Estimate:
+        """Make the estimate of one group, with its findings."""
+        plain = self._estimate(group, common)
+        found = self._checked(plain, group) if check else plain
+        return replace(found, findings=ordered((*found.findings, *negative_parameters(found))))
+
+    def _estimate(self, group: int, common: tuple[str, ...]) -> Estimate:
+        """Make it without checks, its covariance the group's block of the whole."""
         problem, fit = self.fitted.problem, self.fitted.fit
         layout, solution = problem.layout, fit.solution
         names, parts = layout.names_of(group), problem.parts(layout.groups[group])
@@ -132,7 +138,6 @@ class Result:
             main, residual_rms = _at_one_cutoff(model.leg.joint_names, [problem.groups[k] for k in parts], supports)
         factors = [each for one in self._ordinary(parts) for each in one.r_factors]
         assert main.preparation is not None
-        negative = negative_parameters(model, values, np.sqrt(np.diag(covariance)))
         return Estimate(
             model=model,
             values=values,
@@ -146,7 +151,7 @@ class Result:
             warnings=common,
             nonlinear=self.nonlinear,
             prior_knowledge=layout.known_by(group, problem.prior_knowledge),
-            findings=ordered((*rows.findings, *(self.fitted.findings if first == 0 else ()), *negative)),  # said once
+            findings=ordered((*rows.findings, *(self.fitted.findings if first == 0 else ()))),  # said once
             torque_delays=np.zeros(len(model.leg.joint_names)) if rows.delays is None else rows.delays,
             actuators=rows.actuators,
             evidence=Evidence(
@@ -161,7 +166,7 @@ class Result:
             ),
         )
 
-    def checked(self, estimate: Estimate, group: int) -> Estimate:
+    def _checked(self, estimate: Estimate, group: int) -> Estimate:
         """Add the faults of logs and model that the rows of one group show."""
         problem, fitted = self.fitted.problem, self.fitted
         parts = problem.parts(problem.layout.groups[group])
@@ -196,11 +201,7 @@ class Result:
         samples = [sum(float(self.samples[k]) for k in problem.parts(name)) for name in layout.groups]
         agreement, disagreed, untested = shared_agreement(problem, self.estimator, samples, white=self.white)
         common = (*self.warnings, *disagreed)
-        estimates = {name: self.estimate(k, common) for k, name in enumerate(layout.groups)}
-        if check:
-            estimates = {name: self.checked(one, k) for k, (name, one) in enumerate(estimates.items())}
-        # behind the warnings that all groups share are those of single groups
-        single = [f"{name}: {text}" for name, one in estimates.items() for text in one.warnings[len(common) :]]
+        estimates = {name: self.estimate(k, common, check=check) for k, name in enumerate(layout.groups)}
         own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
         apart = set(problem.names if len(layout.groups) < 2 else layout.own)
         also = ", and so the same in all groups"
@@ -222,7 +223,7 @@ class Result:
             prior_knowledge=problem.prior_knowledge,
             equal=equality_of(own, solution.values, self.covariance, self.dofs),
             agreement=agreement,
-            warnings=(*common, *single),
+            warnings=common,
             notes=(*notes, *untested),
         )
 

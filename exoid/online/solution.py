@@ -164,9 +164,9 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
         inputs=(Input("stream", "", state.samples, settings.rate, passive=settings.passive),),
         evidence=Evidence(parameter_scale=scale, cutoff_source=source),
     )
-    apart = [*unbalanced(model, ([one] for one in factors[:-1]), found.values)]
-    apart += negative_parameters(model, found.values, found.std)
-    return replace(found, findings=ordered([*findings_of(settings, state, stream), *doubts_of(found, state), *apart]))
+    apart = unbalanced(model, ([one] for one in factors[:-1]), found.values)
+    found = replace(found, findings=(*findings_of(settings, state, stream), *doubts_of(found, state), *apart))
+    return replace(found, findings=ordered((*found.findings, *negative_parameters(found))))
 
 
 def started(settings: Settings, state: State, start: Estimate) -> State:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
+from exoid.estimate import Estimate
 from exoid.estimate.finding import SEVERITIES, Finding, Severity
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical
@@ -170,16 +171,15 @@ def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
     return np.asarray(model.nonnegative | np.array([name in rigid and name[0] in "JM" for name in model.names]))
 
 
-def negative_parameters(model: TorqueModel, values: FloatArray, std: FloatArray) -> Iterator[Finding]:
-    """Find friction, rotor inertia and a segment's J that are negative by more than their error."""
-    limit = float(scipy.stats.norm.ppf(1.0 - 0.005))  # in 0.5 % of parameters that are zero
-    below = np.flatnonzero(never_negative(model) & (values < 0.0) & (values < -limit * std))
-    if below.size:
-        names = tuple(np.array(model.names)[below].tolist())
-        severity = SEVERITIES[1 if (values < -IMPOSSIBLE * std)[below].any() else 2]
+def negative_parameters(estimate: Estimate) -> Iterator[Finding]:
+    """Find friction, rotors and J of segments that are negative by far more than their error, for no known cause."""
+    of, values = estimate.model, estimate.values
+    below = never_negative(of) & (values < 0.0) & (values < -IMPOSSIBLE * estimate.std)
+    names = tuple(np.array(of.names)[below & ~np.isin(of.names, list(estimate.doubtful))].tolist())
+    if names:
         message = f"{', '.join(names)} negative beyond error, which nature does not allow"
         remedy = "look for a term that is missing (exoid select), a wrong sign, or the torque of another joint"
-        yield Finding("negative-parameter", "", float(len(below)), "1", severity, message, remedy, parameters=names)
+        yield Finding("negative-parameter", "", float(len(names)), "1", "warning", message, remedy, None, names)
 
 
 def _segments(leg: Leg, values: FloatArray) -> FloatArray:

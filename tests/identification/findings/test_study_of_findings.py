@@ -53,7 +53,8 @@ def test_faults_that_a_log_cannot_tell_apart_are_named_beside_each_other():
 
 def test_segments_that_are_turned_alike_against_the_urdf_are_a_tilt():
     """The motion of this log hardly couples the segments, so that nothing else shows the tilt."""
-    (finding,) = findings_of_tilt(3.0, 5)
+    negative, finding = findings_of_tilt(3.0, 5)
+    assert negative.kind == "negative-parameter"
     assert (finding.kind, finding.severity) == ("gravity-direction", "info")
     assert finding.value == pytest.approx(np.deg2rad(3.0), rel=0.05)
     assert finding.interval[0] < finding.value < finding.interval[1]
