@@ -1,6 +1,7 @@
 """Settings that every test shares."""
 
 import functools
+import gc
 import json
 import os
 import sys
@@ -22,6 +23,8 @@ from exoid.torques.catalog import TERMS
 
 settings.register_profile("exoid", deadline=None, derandomize=True, database=None, print_blob=False)
 settings.load_profile("exoid")
+
+gc.disable()  # while tests are collected: many objects, and hardly one of them is garbage
 
 BUILT_IN = [
     (name, side, inertias)
@@ -62,6 +65,12 @@ LONGEST = (
 def pytest_collection_modifyitems(items):
     """The longest files begin, so that no process is left with one of them at the end."""
     items.sort(key=lambda item: item.path.stem not in LONGEST)
+
+
+def pytest_collection_finish():
+    """From here on garbage is looked for among new objects, not again and again among all tests and libraries."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_xdist_auto_num_workers(config):

@@ -114,7 +114,8 @@ def rounding_errors(
         return none, ()
     try:
         shifted = (change_recordings(problem, partial(_rounded_again, x)) for x in (0.2, 0.4, 0.6, 0.8))
-        fits = [fit_linear(each, estimator) for each in (change_recordings(problem, lambda _, one: one), *shifted)]
+        same = change_recordings(problem, lambda _, one: one, torques=True)
+        fits = [fit_linear(each, estimator) for each in (same, *shifted)]
     except ExoidError:
         return none, ()
     values = np.array([one.fit.solution.values for one in fits])

@@ -232,7 +232,8 @@ def _mended(problem: Problem, footing: Footing | None, kind: str, joint: Place, 
     if not isinstance(joint, int):
         return beside(problem, *joint, size)
     if kind not in ("gravity-direction", "clock"):
-        return change_recordings(problem, partial(_without, footing, kind, joint, size))
+        torques = kind in ("torque-scale", "unmodelled-force", "torque-offset")
+        return change_recordings(problem, partial(_without, footing, kind, joint, size), torques=torques)
     groups = []
     for group in problem.groups:
         if kind == "clock":  # filters count samples: their cut-offs change with the rate

@@ -7,13 +7,24 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
+
 from exoid._typing import FloatArray
 from exoid.actuators import Actuators
 from exoid.errors import BadArgumentError
 from exoid.estimate.finding import Finding
 from exoid.regression.least_squares import RFactor, factorize_rows, stack
 from exoid.regression.row_data import Rows, RowsFile
-from exoid.regression.rows import Prepared, chain, decimate, decimation, form_rows, prepare
+from exoid.regression.rows import (
+    Prepared,
+    chain,
+    decimate,
+    decimation,
+    form_rows,
+    other_torque,
+    prepare,
+    with_torque,
+)
 from exoid.signals import Poses, Preparation, Recording, Recordings
 from exoid.torques import TorqueModel
 
@@ -60,6 +71,8 @@ class Group:
     findings: tuple[Finding, ...] = ()  # what was mended in the logs
     delays: FloatArray | None = None  # delays that were taken out of the torques [s], (n,); None for none
     actuators: Actuators | None = None  # drives; None where torques were measured
+    # group of the same motion whose rows serve for this one, too, and the data that differ from it in torque alone
+    like: tuple[Group, Data] | None = None
     memory_share: float = 1.0  # part of `KEPT_BYTES` for rows that are kept, where there are several groups
     _whole: dict[int, list[Rows]] = field(default_factory=dict, init=False, repr=False)
     _few: dict[int, Rows | RowsFile] = field(default_factory=dict, init=False, repr=False)  # after decimation
@@ -107,11 +120,7 @@ class Group:
 
     def _make(self, index: int) -> Iterator[tuple[Rows, Rows]]:
         """Make rows stretch by stretch, and what is left of them after decimation; keep both where there is room."""
-        if index not in self._prepared:
-            self._prepared.clear()
-            assert self.preparation is not None
-            self._prepared[index] = prepare(self.model, self.data[index], self.preparation)
-        prepared = self._prepared[index]
+        prepared, alike = self._motion(index)
         count = len(prepared.rows)
         step = decimation(prepared.independent_fraction, count).step
         size = 8 * count * prepared.tau.shape[1] * len(self.model.names)
@@ -121,7 +130,8 @@ class Group:
         file_few = not keep_few and step >= 4  # then reading them is faster than making them again
         whole, few, before = list[Rows](), list[Rows](), 0
         for stretch in prepared.stretches():
-            rows = form_rows(self.model, prepared, stretch)
+            same = next(alike, None)
+            rows = form_rows(self.model, prepared, stretch) if same is None else with_torque(same, prepared, stretch)
             fewer = decimate(rows, before, count)
             before += len(stretch)
             whole += [rows] if keep_whole else []
@@ -135,3 +145,23 @@ class Group:
             self._few[index] = RowsFile(chain(few))
         if self.memory_share < 1.0:  # other groups need the memory of the kinematics
             self._prepared.clear()
+            if self.like and not keep_whole:
+                self.like[0]._prepared.clear()
+
+    def _motion(self, index: int) -> tuple[Prepared, Iterator[Rows]]:
+        """Make a recording ready; or find rows of the same motion, and what its torque has more."""
+        assert self.preparation is not None
+        like, changed = self.like or (self, ())
+        if changed is self.data and like.model is self.model and like.preparation is self.preparation:
+            one, before = self.data[index], like.data[index]
+            if not isinstance(one, Poses) and np.array_equal(one.measured, getattr(before, "measured", [])):
+                return other_torque(self.model, like._ready(index), one, self.preparation), like.rows_of(index)
+        return self._ready(index), iter(())
+
+    def _ready(self, index: int) -> Prepared:
+        """Make a recording ready; the newest stays."""
+        if index not in self._prepared:
+            self._prepared.clear()
+            assert self.preparation is not None
+            self._prepared[index] = prepare(self.model, self.data[index], self.preparation)
+        return self._prepared[index]

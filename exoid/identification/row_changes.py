@@ -20,7 +20,7 @@ from exoid.leg.link_frames import held_directions, link_frame
 from exoid.regression.fit import wls
 from exoid.regression.least_squares import TINY, rms_residual, scaled_inverse
 from exoid.regression.row_data import Rows
-from exoid.signals import Recording, without_torque_delay
+from exoid.signals import Recording, Recordings, without_torque_delay
 from exoid.torques.contacts.support_model import SupportModel
 
 from .findings.efforts import CLEARLY, FITS_BETTER, POOR
@@ -82,7 +82,7 @@ def torque_delays(fitted: Fitted, parts: Sequence[int]) -> tuple[FloatArray, Flo
         return np.zeros(len(joints)), np.zeros(len(joints))
 
     def shifted(delays: Mapping[int, float]) -> Problem:
-        return change_recordings(problem, lambda _, one: without_torque_delay(one, delays), parts)
+        return change_recordings(problem, lambda _, one: without_torque_delay(one, delays), parts, torques=True)
 
     step, each = 2e-3, np.ones(len(joints))  # [s]
     late = [shifted({joint: step}) for joint in range(len(joints))]
@@ -198,14 +198,19 @@ def equations(fitted: Fitted, effects: Effects) -> Equations:
 
 
 def change_recordings(
-    problem: Problem, change: Callable[[Group, Recording], Recording], parts: Sequence[int] | None = None
+    problem: Problem,
+    change: Callable[[Group, Recording], Recording],
+    parts: Sequence[int] | None = None,
+    *,
+    torques: bool = False,
 ) -> Problem:
-    """Change the recordings of some groups, of all if None; of many on disk a few remain."""
+    """Change the recordings of some groups, of all if None, or torques alone; of many on disk a few remain."""
     groups = list(problem.groups)
     for k in range(len(groups)) if parts is None else parts:
         group = groups[k]
-        data = (change(group, one) if isinstance(one, Recording) else one for one in few_of(group.data))
-        groups[k] = replace(group, data=tuple(data))
+        data = tuple(change(group, one) if isinstance(one, Recording) else one for one in few_of(group.data))
+        like = (group, data) if torques and not isinstance(group.data, Recordings) else None
+        groups[k] = replace(group, data=data, like=like)
     return replace(problem, groups=tuple(groups))
 
 
@@ -264,7 +269,7 @@ def _misfit(problem: Problem, parts: Sequence[int], reading: Reading | None = No
     # As in the air, all torques with the wrong sign would fit as well if friction could be negative.
     problem = replace(problem, given=replace(problem.given, nonnegative=True))
     try:  # a passive joint has no torque of another
-        problem = problem if reading is None else change_recordings(problem, read, parts)
+        problem = problem if reading is None else change_recordings(problem, read, parts, torques=True)
         values = wls(problem).solution.values
     except (ExoidError, np.linalg.LinAlgError):
         return None

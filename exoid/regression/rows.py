@@ -84,8 +84,6 @@ def prepare(
     recording = data.resampled()
     if recording.tau is None:
         raise _without_torque(recording)
-    measured = recording.measured
-    tau = recording.tau if measured.all() else np.where(measured, recording.tau, 0.0)
     rate = recording.sample_rate
     q, v, a, valid = preparation.kinematics(recording)
     parallel, inside = preparation.parallel(rate), np.zeros(len(recording), dtype=np.bool_)
@@ -106,14 +104,15 @@ def prepare(
     try:
         motion = model.motion(q, v, a, base, recording.payloads, computed)
         if recording.wrenches:
-            share = -model.row_torque(np.zeros_like(tau), motion, recording.wrenches)
+            share = -model.row_torque(np.zeros_like(q), motion, recording.wrenches)
             share = preparation.filter(share, rate) if parallel is None else share
             motion = motion._replace(payload=share if motion.payload is None else motion.payload + share)
-        tau = model.row_torque(tau, motion, {})
+        tau = _row_torque(model, recording, motion, preparation)
     except ExoidError as error:
         raise error if error.where else error.within(recording.file_name) from None
-    tau = preparation.filter(tau, rate) if parallel is None else tau
-    counting = np.logical_and.outer(model.measured_rows(measured), inside).T  # joint by joint, as the other masks
+    counting = np.logical_and.outer(
+        model.measured_rows(recording.measured), inside
+    ).T  # joint by joint, as the other masks
     pulses = None
     if parallel is not None and slow is not None:
         unknown = around_stops(slow, parallel).T & counting.T  # friction, where a torque was measured and counts
@@ -121,7 +120,7 @@ def prepare(
     return Prepared(
         recording.time,
         motion,
-        tau if motion.payload is None else tau - motion.payload,
+        tau,
         model.usable(v) & counting,
         model.row_joints,
         rows[(len(rows) - 1) % stride // 2 :: stride],
@@ -132,6 +131,45 @@ def prepare(
         pulses,
         motion.payload,
     )
+
+
+def _row_torque(
+    model: RegressorModel, recording: Recording, motion: MotionSamples, preparation: Preparation
+) -> FloatArray:
+    """Measured torque less that of payloads, filtered unless by a parallel filter: that of :class:`Prepared`."""
+    assert recording.tau is not None
+    rate, measured = recording.sample_rate, recording.measured
+    tau = recording.tau if measured.all() else np.where(measured, recording.tau, 0.0)
+    tau = model.row_torque(tau, motion, {})
+    tau = preparation.filter(tau, rate) if preparation.parallel(rate) is None else tau
+    return tau if motion.payload is None else tau - motion.payload
+
+
+def other_torque(model: RegressorModel, prepared: Prepared, data: Recording, preparation: Preparation) -> Prepared:
+    """Leave of a recording that is ready what another torque of the same motion, and of the same joints, has more."""
+    torque = _row_torque(model, model.select(data).resampled(), prepared.motion, preparation)
+    return prepared._replace(tau=torque - prepared.tau)
+
+
+def with_torque(rows: Rows, more: Prepared, stretch: range) -> Rows:
+    """Change the torque of a stretch of rows; they are linear in it, and their columns stay. See `other_torque`."""
+    around = slice(max(0, stretch[0] - more.reach), stretch[-1] + 1 + more.reach)
+    inside = range(stretch[0] - around.start, stretch[-1] + 1 - around.start, stretch.step)
+    tau, reversals = more.tau[around].T, rows.reversals
+    if more.parallel is None:
+        tau = tau[:, slice(inside.start, inside.stop, inside.step)]
+    else:
+        tau = more.parallel.among_zeros(tau, inside, more.inside[around])
+        if more.reversals is not None:
+            signals = tau[:, np.newaxis]
+            parts = without_reversals([*signals], more.reversals, stretch, more.parallel, more.block)
+            tau = np.vstack([left for left, _, _ in parts])
+            both = zip(reversals, parts, strict=True)
+            tables = (
+                (each, np.column_stack([each.table[:, :-1], each.table[:, -1] + x[0]])) for each, (_, x, _) in both
+            )
+            reversals = tuple(each._replace(table=table) for each, table in tables)
+    return rows._replace(tau=rows.tau + tau.T, reversals=reversals)
 
 
 def _without_torque(recording: Recording) -> ExoidError:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 import scipy  # its parts load when they are first used
 
@@ -20,6 +22,9 @@ CONCLUSIVE = 0.7
 SHORTEST = 10.0
 """Least length of a log that is compared [s]."""
 
+_right: WeakKeyDictionary[BaseMotion, FloatArray] = WeakKeyDictionary()
+"""Time stamps with which bases were found right: recordings that differ otherwise often have the same base."""
+
 
 def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | None, *, touched: bool = True) -> None:
     """Refuse a base motion that does not belong to a recording, or is wrong."""
@@ -31,8 +36,9 @@ def refuse_unfit_base(time: FloatArray, base: BaseMotion, torso: TorsoMotion | N
             remedy="leave out torso: the accelerometer measures the tilt",
         )
     checks.refuse_shape(base.columns, (len(time), len(BASE_COLUMNS)), "the base motion")
-    if touched or not flies(base.specific_force):
+    if not np.array_equal(time, _right.get(base, ())) and (touched or not flies(base.specific_force)):
         refuse_wrong_base(time, base)
+        _right[base] = time
     if base.pose is not None:
         refuse_jumps(time, base.pose.position, base.pose.quaternion)
         # Over `SHORTEST` the mean is gravity and the change of velocity: 2 m/s within 10 s move it by 0.02 rad
