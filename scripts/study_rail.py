@@ -176,9 +176,10 @@ def simulate(hopper: Hopper, kind: str, seconds: float, rng: np.random.Generator
     rows, wrench, every = [], np.zeros(6), round(1.0 / (RATE * STEP))
     goals = angles(hopper.long, plan(np.arange(0.0, seconds, STEP)))
     rates = np.gradient(goals, STEP, axis=0)
+    angle, speed, torque = data.qpos[1:], data.qvel[1:], data.ctrl  # MuJoCo's own memory
     for k in range(-round(1.0 / STEP), len(goals)):
         now = max(k, 0)
-        data.ctrl[:] = stiffness * (goals[now] - data.qpos[1:]) + damping * ((k >= 0) * rates[now] - data.qvel[1:])
+        torque[:] = stiffness * (goals[now] - angle) + damping * ((k >= 0) * rates[now] - speed)
         if k >= 0 and k % every == 0:
             mujoco.mj_forward(model, data)
             force = np.zeros(3)
