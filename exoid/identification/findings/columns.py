@@ -224,10 +224,11 @@ def residual_hints(model: TorqueModel, motions: Sequence[Motion], torques: Float
         signals = np.vstack([tau, np.sign(tau) * np.maximum(np.abs(tau) - limits[:, None], 0.0)])
         left, *beyond = signals - signals @ Q @ Q.T
         limit = limits[np.argmax([max(float(left @ x), 0.0) ** 2 / max(float(x @ x), TINY) for x in beyond])]
-        # an angle that is off by waves exp(i m q) leaves residuals like their second derivatives
-        Z = np.vander(np.exp(1j * q), 121, increasing=True)[:, m] * (1j * m * a[:, None] - (m * v[:, None]) ** 2)
-        apart = np.linalg.norm(Z, axis=0) ** 2 - np.linalg.norm(Q.T @ Z, axis=0) ** 2
-        waves = m[np.argmax(np.abs(left @ Z) ** 2 / np.maximum(apart, TINY))]
+        # an angle that is off by waves exp(i m q) leaves residuals like their second derivatives, Z = (i m a - m² v²) E
+        E, each = np.vander(np.exp(1j * q), 121, increasing=True)[:, m], np.vstack([left, Q.T])
+        of_left, *of_fit = 1j * m * ((each * a) @ E) - m**2 * ((each * v**2) @ E)
+        apart = m**2 * (a @ a) + m**4 * np.sum(v**4) - np.linalg.norm(of_fit, axis=0) ** 2
+        waves = m[np.argmax(np.abs(of_left) ** 2 / np.maximum(apart, TINY))]
         found.append((limit, np.mean(np.abs(tau) > limit), waves))
     return np.array(found)
 
