@@ -91,6 +91,11 @@ def leg():
 
 
 @pytest.fixture(scope="session")
+def cuhk_leg():
+    return exoid.load_leg("cuhk")
+
+
+@pytest.fixture(scope="session")
 def swing(leg):
     """Motion of 20 s at 100 Hz, with friction."""
     return Swing(leg)

@@ -60,14 +60,9 @@ def coverage(estimate, leg, form, base, seeds=(8, 9)):
 
 
 @pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("cuhk")
-
-
-@pytest.fixture(scope="module")
-def estimates(leg):
+def estimates(cuhk_leg):
     forms = ("coulomb", "quadratic", "stribeck", "presliding")
-    return {form: exoid.identify(leg, log(leg, form, SLOW, 1)) for form in forms}
+    return {form: exoid.identify(cuhk_leg, log(cuhk_leg, form, SLOW, 1)) for form in forms}
 
 
 OTHER_FORMS = ("stribeck", "presliding", "quadratic")
@@ -75,10 +70,10 @@ OTHER_FORMS = ("stribeck", "presliding", "quadratic")
 
 
 @pytest.mark.parametrize("form", OTHER_FORMS)
-def test_at_twice_the_speed_the_band_still_contains_the_torque(leg, form):
+def test_at_twice_the_speed_the_band_still_contains_the_torque(cuhk_leg, form):
     """Without the model error it does not: parameters and noise know nothing of another form of friction."""
-    estimate = exoid.identify(leg, log(leg, form, SLOW, 1), SMOOTH)
-    before, now = coverage(without(estimate), leg, form, FAST), coverage(estimate, leg, form, FAST)
+    estimate = exoid.identify(cuhk_leg, log(cuhk_leg, form, SLOW, 1), SMOOTH)
+    before, now = coverage(without(estimate), cuhk_leg, form, FAST), coverage(estimate, cuhk_leg, form, FAST)
     print(f"{form}: share inside the band {before.mean(axis=0).round(3)}, with model error {now.mean(axis=0).round(3)}")
     assert before.min() < 0.85
     assert now.mean() > 0.9
@@ -86,14 +81,14 @@ def test_at_twice_the_speed_the_band_still_contains_the_torque(leg, form):
 
 
 @pytest.mark.parametrize("form", OTHER_FORMS)
-def test_the_band_of_the_default_terms_contains_the_torque_at_twice_the_speed(leg, estimates, form):
+def test_the_band_of_the_default_terms_contains_the_torque_at_twice_the_speed(cuhk_leg, estimates, form):
     """With the default terms presliding leaves little to the model error: reversals are taken out of the fit."""
-    assert coverage(estimates[form], leg, form, FAST).mean() > 0.9
+    assert coverage(estimates[form], cuhk_leg, form, FAST).mean() > 0.9
 
 
 @pytest.mark.parametrize("form", ["coulomb", "quadratic", "stribeck", "presliding"])
-def test_inside_the_training_the_band_does_not_become_wider(leg, estimates, form):
-    recording = log(leg, form, SLOW, 1)
+def test_inside_the_training_the_band_does_not_become_wider(cuhk_leg, estimates, form):
+    recording = log(cuhk_leg, form, SLOW, 1)
     old, new = (exoid.validate(each, recording) for each in (without(estimates[form]), estimates[form]))
     ratio = np.sqrt((new.half_width**2).mean(axis=0) / (old.half_width**2).mean(axis=0))
     print(f"{form}: width over that before {ratio.round(3)}, share inside {new.coverage.round(3)}")
@@ -106,37 +101,37 @@ def band_rows(estimate, *motion):
     return model.columns(model.motion(*motion)).transpose(2, 1, 0)
 
 
-def test_the_model_error_grows_beyond_the_training(leg, estimates):
+def test_the_model_error_grows_beyond_the_training(cuhk_leg, estimates):
     error, estimate = estimates["stribeck"].model_error, estimates["stribeck"]
-    slow, fast = (Swing(leg, seconds=20.0, base=base).motion for base in (SLOW, 2.5 * SLOW))
+    slow, fast = (Swing(cuhk_leg, seconds=20.0, base=base).motion for base in (SLOW, 2.5 * SLOW))
     inside, outside = (error.variance(band_rows(estimate, *motion)).mean(axis=0) for motion in (slow, fast))
     assert (outside > 3.0 * inside).all()
     assert (inside < 2.0 * estimate.residual_rms**2).all()
 
 
-def test_alternatives_are_columns_of_each_joint_alone(leg, estimates):
-    q, v, a = Swing(leg, seconds=5.0).motion
+def test_alternatives_are_columns_of_each_joint_alone(cuhk_leg, estimates):
+    q, v, a = Swing(cuhk_leg, seconds=5.0).motion
     estimate = estimates["coulomb"]
     rows = band_rows(estimate, q, v, a)
     count = len(estimate.values)
     np.testing.assert_array_equal(rows[..., :count], estimate.model.regressor(q, v, a))
     np.testing.assert_array_equal(rows[:, 1, count], Presliding(3e-3).states(q[:, 1], v[:, 1]))
     np.testing.assert_allclose(rows[..., count + COUNT - 2], v * np.abs(v))
-    rigid = len(leg.parameter_names)
-    load = np.abs(leg.with_parameters(estimate.values[:rigid]).inverse_dynamics(q, v, a))
+    rigid = len(cuhk_leg.parameter_names)
+    load = np.abs(cuhk_leg.with_parameters(estimate.values[:rigid]).inverse_dynamics(q, v, a))
     np.testing.assert_allclose(np.abs(rows[..., -1]), load * np.abs(np.tanh(v / 0.02)), rtol=1e-9, atol=1e-12)
 
 
-def test_it_survives_saving_to_the_last_bit(leg, estimates, tmp_path):
+def test_it_survives_saving_to_the_last_bit(cuhk_leg, estimates, tmp_path):
     estimate = estimates["presliding"]
-    fast, loaded = log(leg, "presliding", FAST, 8), from_file(estimate, tmp_path)
+    fast, loaded = log(cuhk_leg, "presliding", FAST, 8), from_file(estimate, tmp_path)
     np.testing.assert_array_equal(exoid.validate(loaded, fast).half_width, exoid.validate(estimate, fast).half_width)
 
 
-def test_without_checks_there_is_none_and_bands_are_those_of_parameters_and_noise(leg):
-    estimate = exoid.identify(leg, log(leg, "stribeck", SLOW, 1), check=False)
+def test_without_checks_there_is_none_and_bands_are_those_of_parameters_and_noise(cuhk_leg):
+    estimate = exoid.identify(cuhk_leg, log(cuhk_leg, "stribeck", SLOW, 1), check=False)
     assert estimate.model_error is None
-    band = estimate.torque_band(*Swing(leg, seconds=5.0).motion)
+    band = estimate.torque_band(*Swing(cuhk_leg, seconds=5.0).motion)
     assert (band.upper - band.torque >= 1.96 * estimate.residual_rms).all()
 
 

@@ -5,7 +5,6 @@ import pytest
 from swings import harmonics
 from unchecked import identify
 
-import exoid
 from exoid import Coulomb, ExoidError, Leg, Offset, Recording, Viscous
 from exoid.signals import FiniteDifference, Poses
 from exoid.torques import LoadFriction, Presliding, Stribeck
@@ -31,11 +30,6 @@ TRUTH = {
     "offset_hip": 0.2,
     "offset_knee": -0.1,
 }
-
-
-@pytest.fixture(scope="module")
-def leg():
-    return exoid.load_leg("cuhk")
 
 
 def motion_of(seconds=12.0, rate=200.0, seed=3):
@@ -65,41 +59,41 @@ def recording_of(leg, noise=0.0, seed=0, torque=truth_torque, **motion):
     return Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
 
 
-def test_without_noise_parameters_come_back_and_predict_another_motion(leg):
-    est = identify(leg, recording_of(leg), RICH, preparation=EXACT)
+def test_without_noise_parameters_come_back_and_predict_another_motion(cuhk_leg):
+    est = identify(cuhk_leg, recording_of(cuhk_leg), RICH, preparation=EXACT)
     for name, value in TRUTH.items():
         assert est.value(name) == pytest.approx(value, abs=1e-3), name
-    np.testing.assert_allclose(est.values[: len(leg.parameters)], leg.parameters, atol=1e-3)
+    np.testing.assert_allclose(est.values[: len(cuhk_leg.parameters)], cuhk_leg.parameters, atol=1e-3)
     assert not [warning for warning in est.warnings if "hardly tell apart" not in warning]
     _, q, v, a = motion_of(seed=11)
-    np.testing.assert_allclose(est.torque(q, v, a), truth_torque(leg, q, v, a), atol=2e-3)
+    np.testing.assert_allclose(est.torque(q, v, a), truth_torque(cuhk_leg, q, v, a), atol=2e-3)
 
 
 @pytest.mark.parametrize("estimator", ["wls", "huber", "ols"])
-def test_with_noise_they_come_back_within_their_errors(leg, estimator):
-    est = identify(leg, recording_of(leg, noise=0.05), RICH, estimator, preparation=EXACT)
-    truth = np.array([*leg.parameters, *(TRUTH[name] for name in est.names[len(leg.parameters) :])])
+def test_with_noise_they_come_back_within_their_errors(cuhk_leg, estimator):
+    est = identify(cuhk_leg, recording_of(cuhk_leg, noise=0.05), RICH, estimator, preparation=EXACT)
+    truth = np.array([*cuhk_leg.parameters, *(TRUTH[name] for name in est.names[len(cuhk_leg.parameters) :])])
     assert (np.abs(est.values - truth) < 4.5 * est.std).all()
     _, q, v, a = motion_of(seed=21)
-    band, torque = est.torque_band(q, v, a, measured=False), truth_torque(leg, q, v, a)
+    band, torque = est.torque_band(q, v, a, measured=False), truth_torque(cuhk_leg, q, v, a)
     assert ((band.lower <= torque) & (torque <= band.upper)).mean() > 0.8
 
 
-def test_poses_stand_beside_recordings_and_what_is_known_is_kept(leg):
+def test_poses_stand_beside_recordings_and_what_is_known_is_kept(cuhk_leg):
     """At rest no bent contact is known of: friction is left out there, and gravity is still right."""
     q = np.random.default_rng(0).uniform(-0.5, 0.5, (20, 2))
     still = np.zeros_like(q)
-    poses = Poses(q, leg.inverse_dynamics(q, still, still) + np.array([0.2, -0.1]), leg.joint_names)
-    known = {"X1": float(leg.parameters[0]), "mu_back_knee": TRUTH["mu_back_knee"]}
-    est = identify(leg, [recording_of(leg), poses], RICH, preparation=EXACT, known=known, nonnegative=True)
+    poses = Poses(q, cuhk_leg.inverse_dynamics(q, still, still) + np.array([0.2, -0.1]), cuhk_leg.joint_names)
+    known = {"X1": float(cuhk_leg.parameters[0]), "mu_back_knee": TRUTH["mu_back_knee"]}
+    est = identify(cuhk_leg, [recording_of(cuhk_leg), poses], RICH, preparation=EXACT, known=known, nonnegative=True)
     for name, value in known.items():
         assert est.value(name) == value
     assert est.value("mu_drive_knee") == pytest.approx(TRUTH["mu_drive_knee"], abs=1e-3)
 
 
-def test_at_a_single_joint_driving_and_back_driving_are_not_told_apart_without_bending(leg):
+def test_at_a_single_joint_driving_and_back_driving_are_not_told_apart_without_bending(cuhk_leg):
     """Half their difference scales the only rigid-body torque there is; with a sharp sign nothing else shows it."""
-    knee = Leg.from_description(leg.description, ("left_knee",))
+    knee = Leg.from_description(cuhk_leg.description, ("left_knee",))
     time, q, v, a = (x[..., :1] if x.ndim > 1 else x for x in motion_of())
     tau = knee.inverse_dynamics(q, v, a) * (1.0 + 0.1 * np.sign(v * knee.inverse_dynamics(q, v, a)))
     recording = Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=knee.joint_names)
@@ -109,8 +103,8 @@ def test_at_a_single_joint_driving_and_back_driving_are_not_told_apart_without_b
     assert est.value("mu_knee") == pytest.approx(0.1, abs=1e-4)
 
 
-def test_friction_of_a_load_that_is_not_there_is_refused_by_name(leg):
+def test_friction_of_a_load_that_is_not_there_is_refused_by_name(cuhk_leg):
     """No rigid body: no gravity, no inertia, nothing that gears would carry."""
-    empty = recording_of(leg, torque=lambda leg, q, v, a: 0.5 * np.tanh(v / 0.02))
+    empty = recording_of(cuhk_leg, torque=lambda leg, q, v, a: 0.5 * np.tanh(v / 0.02))
     with pytest.raises(ExoidError, match="mu_hip, mu_knee left no trace"):
-        identify(leg, empty, (Coulomb(smoothing=0.02), LoadFriction(smoothing=0.02)), preparation=EXACT)
+        identify(cuhk_leg, empty, (Coulomb(smoothing=0.02), LoadFriction(smoothing=0.02)), preparation=EXACT)

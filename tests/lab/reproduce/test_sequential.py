@@ -81,11 +81,6 @@ def test_estimates_are_unbiased_by_noise(noisy_bleex):
     assert (np.abs(values.mean(axis=0) - truth) < 4.0 * values.std(axis=0) / np.sqrt(len(values))).all()
 
 
-@pytest.fixture(scope="module")
-def cuhk_leg():
-    return exoid.load_leg("cuhk")
-
-
 def test_all_steps_of_document_2_are_exact_without_its_moving_average(cuhk_leg):
     known = cuhk_all(cuhk_leg, cuhk_data(cuhk_leg), FiniteDifference())
     truth = {**cuhk_truth(), **CUHK_FRICTION}
