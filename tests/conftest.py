@@ -55,9 +55,9 @@ def pytest_runtest_setup(item):
 
 
 LONGEST = (
-    *("test_identification_on_ground", "test_cuhk_replay", "test_docs_pages", "test_packaging"),
-    *("test_population", "test_steppers", "test_standing_in_the_same_way", "test_coordinated_loop"),
-    *("test_wear",),
+    *("test_identification_on_ground", "test_changes", "test_coordinated_loop", "test_docs_pages", "test_rail"),
+    *("test_steppers", "test_recursive", "test_population", "test_elastic_joints", "test_readme"),
+    *("test_cuhk_replay", "test_efforts", "test_selection", "test_packaging"),
 )
 """Names of files whose slow tests take ten seconds and more."""
 

@@ -5,7 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 import tarfile
 import zipfile
 import zlib
@@ -80,8 +79,8 @@ def venv(folder):
     site = Path(run(python, "-c", "import sysconfig; print(sysconfig.get_paths()['purelib'])", cwd=folder))
     lent = folder / "dependencies"
     lent.mkdir()
-    for place in {sysconfig.get_paths()["purelib"], sysconfig.get_paths()["platlib"]}:
-        for item in Path(place).iterdir():
+    for place in (Path(each) for each in sys.path if each.endswith("site-packages") and "cmeel.prefix" not in each):
+        for item in place.iterdir():
             if "exoid" not in item.name and not (lent / item.name).exists():
                 (lent / item.name).symlink_to(item)
     cmeel = Path("cmeel.prefix", "lib", f"python{sys.version_info[0]}.{sys.version_info[1]}", "site-packages")
