@@ -175,7 +175,8 @@ def walker_runs(seed: int, seconds: float) -> tuple[str, GroundPlant, list[Groun
     mujoco_model.SOLE_SOLREF = [contact, 1.0]
     rest = replace(plant, ground_lean=0.0)
     firm = replace(plant, ground_friction=0.8)  # on one foot nobody stands on ice
-    one_foot = Stance(height=0.875, squat=0.03, shift=0.01, bow=0.05, swing=0.15)
+    # on soft ground the foot that stands sinks in
+    one_foot = Stance(height=0.885 if kind == "soft" else 0.875, squat=0.03, shift=0.01, bow=0.05, swing=0.15)
     both, rail = Stance(height=0.85), HAND_RAIL if kind == "rocks" else None  # no foot that rocks balances
     squats, unseen = (
         follow(plant, stance_motion(plant, duration, stance=both, seed=10 * seed + k), GAINS, spring=rail)
