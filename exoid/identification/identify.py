@@ -22,6 +22,7 @@ from .drive_constants import search_constants
 from .drives import Drives
 from .estimators import Estimator
 from .estimators.by_name import find_estimator, fit_linear, name_of
+from .findings.physics import with_negative
 from .gather import begin, gather
 from .group_rows import Measured
 from .load_friction import fit_under_load
@@ -180,6 +181,7 @@ def identify(
     fitted = fitted._replace(findings=(*fitted.findings, *found))
     result = replace(result, fitted=fitted, covariance=result.covariance + doubt)
     if problem.groups[0].name == "":
-        estimate = result.estimate(0, result.warnings, check=check)
+        estimate = result.estimate(0, result.warnings)
+        estimate = with_negative(result.checked(estimate, 0) if check else estimate)
         return share_alike(estimate, alike) if alike else estimate
     return result.grouped(check=check)

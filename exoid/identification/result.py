@@ -40,7 +40,7 @@ from .checkup import fitted_leg, logs_apart
 from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import check_fit
-from .findings.physics import impossible_leg, mass_scale, negative_parameters, unbalanced
+from .findings.physics import impossible_leg, mass_scale, unbalanced, with_negative
 from .friction_form import friction_form_error
 from .ground_faults import unlike_logs
 from .group_rows import Group
@@ -114,14 +114,8 @@ class Result:
             warnings=(*fitted.warnings, *collinearity.warnings(problem.names), *short),
         )
 
-    def estimate(self, group: int, common: tuple[str, ...], *, check: bool) -> Estimate:
-        """Make the estimate of one group, with its findings."""
-        plain = self._estimate(group, common)
-        found = self._checked(plain, group) if check else plain
-        return replace(found, findings=ordered((*found.findings, *negative_parameters(found))))
-
-    def _estimate(self, group: int, common: tuple[str, ...]) -> Estimate:
-        """Make it without checks, its covariance the group's block of the whole."""
+    def estimate(self, group: int, common: tuple[str, ...]) -> Estimate:
+        """Make the estimate of one group, its covariance the group's block of the whole."""
         problem, fit = self.fitted.problem, self.fitted.fit
         layout, solution = problem.layout, fit.solution
         names, parts = layout.names_of(group), problem.parts(layout.groups[group])
@@ -166,7 +160,7 @@ class Result:
             ),
         )
 
-    def _checked(self, estimate: Estimate, group: int) -> Estimate:
+    def checked(self, estimate: Estimate, group: int) -> Estimate:
         """Add the faults of logs and model that the rows of one group show."""
         problem, fitted = self.fitted.problem, self.fitted
         parts = problem.parts(problem.layout.groups[group])
@@ -201,7 +195,10 @@ class Result:
         samples = [sum(float(self.samples[k]) for k in problem.parts(name)) for name in layout.groups]
         agreement, disagreed, untested = shared_agreement(problem, self.estimator, samples, white=self.white)
         common = (*self.warnings, *disagreed)
-        estimates = {name: self.estimate(k, common, check=check) for k, name in enumerate(layout.groups)}
+        estimates = {name: self.estimate(k, common) for k, name in enumerate(layout.groups)}
+        if check:
+            estimates = {name: self.checked(one, k) for k, (name, one) in enumerate(estimates.items())}
+        estimates = {name: with_negative(one) for name, one in estimates.items()}
         own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
         apart = set(problem.names if len(layout.groups) < 2 else layout.own)
         also = ", and so the same in all groups"

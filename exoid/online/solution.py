@@ -13,7 +13,7 @@ from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.estimate import Estimate, Evidence
 from exoid.estimate.data import Input
 from exoid.estimate.finding import ordered
-from exoid.identification.findings.physics import negative_parameters, unbalanced
+from exoid.identification.findings.physics import unbalanced, with_negative
 from exoid.regression.diagnostics import parameter_scale
 from exoid.regression.least_squares import RANK, ROUNDING, TINY, RFactor, Solution, scaled_lstsq, solve, stack
 from exoid.signals import FiniteDifference, ZeroPhase
@@ -165,8 +165,8 @@ def estimate_of(settings: Settings, state: State, stream: Stream) -> Estimate:
         evidence=Evidence(parameter_scale=scale, cutoff_source=source),
     )
     apart = unbalanced(model, ([one] for one in factors[:-1]), found.values)
-    found = replace(found, findings=(*findings_of(settings, state, stream), *doubts_of(found, state), *apart))
-    return replace(found, findings=ordered((*found.findings, *negative_parameters(found))))
+    findings = ordered((*findings_of(settings, state, stream), *doubts_of(found, state), *apart))
+    return with_negative(replace(found, findings=findings))
 
 
 def started(settings: Settings, state: State, start: Estimate) -> State:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exoid._typing import FloatArray
 from exoid.errors import ExoidError
 from exoid.estimate import Estimate
-from exoid.estimate.finding import SEVERITIES, Finding, Severity
+from exoid.estimate.finding import SEVERITIES, Finding, Severity, ordered
 from exoid.leg.leg import Leg
 from exoid.leg.lift import check_physical
 from exoid.leg.lift.lift import nearest_within
@@ -171,15 +171,17 @@ def never_negative(model: TorqueModel) -> NDArray[np.bool_]:
     return np.asarray(model.nonnegative | np.array([name in rigid and name[0] in "JM" for name in model.names]))
 
 
-def negative_parameters(estimate: Estimate) -> Iterator[Finding]:
-    """Find friction, rotors and J of segments that are negative by far more than their error, for no known cause."""
+def with_negative(estimate: Estimate) -> Estimate:
+    """Name friction, rotors and J of segments that are negative by far more than their error, for no known cause."""
     of, values = estimate.model, estimate.values
     below = never_negative(of) & (values < 0.0) & (values < -IMPOSSIBLE * estimate.std)
     names = tuple(np.array(of.names)[below & ~np.isin(of.names, list(estimate.doubtful))].tolist())
-    if names:
-        message = f"{', '.join(names)} negative beyond error, which nature does not allow"
-        remedy = "look for a term that is missing (exoid select), a wrong sign, or the torque of another joint"
-        yield Finding("negative-parameter", "", float(len(names)), "1", "warning", message, remedy, None, names)
+    if not names:
+        return estimate
+    message = f"{', '.join(names)} negative beyond error, which nature does not allow"
+    remedy = "look for a term that is missing (exoid select), a wrong sign, or the torque of another joint"
+    found = Finding("negative-parameter", "", float(len(names)), "1", "warning", message, remedy, None, names)
+    return replace(estimate, findings=ordered((*estimate.findings, found)))
 
 
 def _segments(leg: Leg, values: FloatArray) -> FloatArray:
