@@ -22,6 +22,7 @@ from exoid.torques.catalog import turning_joints
 from .columns import Column
 from .evidence import Evidence
 from .kinds import Nuisance
+from .sample import log_starts
 from .score import State
 
 BLOCKS = 60  # of all data
@@ -146,9 +147,7 @@ def _products(state: State, tested: NDArray[np.intp], loads: FloatArray) -> tupl
 
 def _places(evidence: Evidence, blocks: Sequence[tuple[int, int]]) -> Iterator[tuple[Change, int, int]]:
     """Where a number may have another value, first and last block: from a time on, or in one recording alone."""
-    both = pairwise(zip(evidence.sources, evidence.parts, strict=True))
-    # another recording is another file, or times that begin anew
-    begins = [True, *(name != other or after.time[0] < one.time[-1] for (name, one), (other, after) in both)]
+    begins = log_starts(evidence.sources, [part.time for part in evidence.parts])
     names = [name or f"recording {number}" for name, number in zip(evidence.sources, np.cumsum(begins), strict=True)]
     several, count, least = sum(begins), len(blocks), max(1, len(blocks) // 20)
     for block in range(least, count - least + 1):

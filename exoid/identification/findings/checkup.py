@@ -141,7 +141,8 @@ def _fit_findings(checked: CheckedFit, *, broken: bool) -> Iterator[Finding]:
         angles = bool((checked.nrmse > POOR).any() or (checked.below.any() and not loaded))
         if not found and (angles or (checked.nrmse > 0.25 * POOR).any()):
             found += gross_findings(checked.fitted, checked.evidence, angles=angles)
-        units = [found.pop()] if found and found[0].kind == "torque-scale" else []  # hides no other fault
+        # a unit hides no other fault, but where it is that of one log
+        units = [found.pop()] if found and found[0].kind == "torque-scale" and not found[0].recording else []
         scales = [] if found else list(torque_scale(checked))
         scales += [one for one in units if one.joint not in {other.joint for other in scales}]
         if not found:

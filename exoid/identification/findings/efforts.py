@@ -63,20 +63,19 @@ def driven_joints(factors: Sequence[FloatArray]) -> list[bool]:
 def fit_torques(
     fitted: FittedLeg,
     of_joints: Sequence[FloatArray],
-    order: Sequence[int] = (),
     factors: Sequence[float] = (),
     *,
     rounds: int = 3,
 ) -> tuple[FloatArray, FloatArray]:
     """Fit torques read otherwise: log residual/torque of each driven joint, and free values."""
     model, n, driven = fitted.model, len(of_joints), driven_joints(of_joints)
-    order, factors = order or range(n), factors or (1.0,) * n
+    factors = factors or (1.0,) * n
     count, free = len(model.names), ~np.isfinite(fitted.fixed)
     known = np.where(free, 0.0, fitted.fixed)
     rows = []
     for joint in np.flatnonzero(driven).tolist():
         R = of_joints[joint]
-        rows.append((R[:, :count][:, free], factors[joint] * R[:, count + order[joint]] - R[:, :count] @ known))
+        rows.append((R[:, :count][:, free], factors[joint] * R[:, count + joint] - R[:, :count] @ known))
     level = np.maximum(np.array([np.linalg.norm(t) for _, t in rows]), 1e-12)
     # All torques with the wrong sign would fit as well if what is positive in nature were not kept positive. Columns of
     # these, and of passive joints, that are zero, stand last: their rows of R, from which others are eliminated, below.

@@ -17,7 +17,7 @@ from exoid.torques.catalog import radians, turning_joints
 
 from .efforts import CLEARLY, FITS_BETTER, driven_joints, fit_torques, torque_factors, torque_rows
 from .evidence import Evidence, r_factor
-from .sample import FittedLeg, some_samples
+from .sample import FittedLeg, log_starts, some_samples
 
 STILL = 0.05  # span of a joint that hardly moves [rad]
 
@@ -54,6 +54,8 @@ def readings(leg: Leg) -> Iterator[Reading]:
         if joints == (0,):  # a leg that is its own mirror image
             text = f"{text}, or its angle has"
         yield sign._replace(joint=joint, message=text, torques=only(joints, -1.0))
+    milli = plain._replace(kind="torque-scale", value=1e3, remedy="convert it to N·m (tau_<joint>=HEADER:0.001)")
+    yield milli._replace(message="all torques are in N·mm", torques=(1e-3,) * n)
     if n > 1:
         yield sign._replace(message="all torques have the wrong sign, or all angles have", torques=(-1.0,) * n)
         for joints, joint, both in several:
@@ -61,7 +63,6 @@ def readings(leg: Leg) -> Iterator[Reading]:
             yield turned._replace(message=f"the angle of {both} has the wrong sign, or its axis in the URDF has")
             text = f"angle and torque of {both} have the wrong sign, or its axis in the URDF has"
             yield turned._replace(message=text, torques=only(joints, -1.0))
-        milli = plain._replace(kind="torque-scale", value=1e3, remedy="convert it to N·m (tau_<joint>=HEADER:0.001)")
         for j, joint in enumerate(names):
             yield milli._replace(joint=joint, message=f"the torque of {joint} is in N·mm", torques=only([j], 1e-3))
     remedy = "map the columns by name (columns=, --column NAME=HEADER)"
@@ -103,20 +104,61 @@ def gross_findings(fitted: FittedLeg, evidence: Evidence, *, angles: bool) -> tu
         formed = (r_factor(torque_rows(evidence, j)) for j in range(len(evidence.factors)))
         as_logged = torque_factors(trial, trial.data) if angles else [*formed]
         left, _ = fit_torques(trial, as_logged)
-        best, least = _best_reading(trial, as_logged, float(left.mean()), angles=angles)
+        best, least, log = *_best_reading(trial, as_logged, float(left.mean()), angles=angles), ""
+        if angles:
+            of_one = _of_one_log(trial, as_logged, float(left.mean()))
+            best, least, log = of_one if of_one[1] < least else (best, least, log)
     except (ExoidError, np.linalg.LinAlgError):
         return ()
     if best is None:
         return ()
     ratio = float(np.exp(left.mean() - least) / CLEARLY ** _share_of_two(as_logged))
     message, value = f"{best.message}: residuals are then {ratio:.3g} times smaller", best.value or ratio
-    return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, parameters=fitted.model.names),)
+    names = fitted.model.names
+    return (Finding(best.kind, best.joint, value, "1", "error", message, best.remedy, None, names, recording=log),)
+
+
+def _of_one_log(
+    fitted: FittedLeg, as_logged: Sequence[FloatArray], reference: float
+) -> tuple[Reading | None, float, str]:
+    """Reading of one of several logs, the others as they are, that fits by far better; and the name of that log."""
+    always = np.array([-np.inf, np.inf])  # poses have no time, and are a log of their own
+    names, times = [one.file_name for one in fitted.data], [getattr(one, "time", always) for one in fitted.data]
+    numbers = np.cumsum(log_starts(names, times)).tolist()
+    logs = {number: [one for one, k in zip(fitted.data, numbers, strict=True) if k == number] for number in numbers}
+    every = {number: torque_factors(fitted, log) for number, log in logs.items() if len(logs) > 1}
+    best, least, where, share = None, np.inf, "", _share_of_two(as_logged)
+    for number, own in every.items():
+        others = [of_log for k, of_log in every.items() if k != number]
+        rest = [r_factor(np.vstack(of_joint)) for of_joint in zip(*others, strict=True)]
+        if fit_torques(fitted, rest)[0].mean() > reference - share * np.log(FITS_BETTER):
+            continue  # the others do not agree without it, either
+        only = fitted._replace(data=logs[number])
+        found, misfit = _best_reading(only, own, reference, rest, angles=True)
+        if found is not None and misfit < least:
+            best, least, where = found, misfit, logs[number][0].file_name or f"recording {number}"
+    return best, float(least), where
 
 
 def _best_reading(
-    fitted: FittedLeg, as_logged: list[FloatArray], reference: float, *, angles: bool
+    fitted: FittedLeg,
+    as_logged: list[FloatArray],
+    reference: float,
+    rest: Sequence[FloatArray] = (),
+    *,
+    angles: bool,
 ) -> tuple[Reading | None, float]:
     """Reading that fits by far better, if any, and the misfit that another one would have to fall below."""
+    # rows of other logs, which are read as they are, go into each fit
+    rest = rest or [R[:0] for R in as_logged]
+
+    def misfits(factors: Sequence[FloatArray], reading: Reading, rounds: int = 3) -> FloatArray:
+        """Logarithms of residual over torque of each joint."""
+        parted = [np.split(R, [R.shape[1] - len(factors)], axis=1) for R in factors]
+        read = [np.hstack([W, tau[:, reading.torque_order] * reading.torques]) for W, tau in parted]
+        both = [r_factor(np.vstack(of_joint)) for of_joint in zip(read, rest, strict=True)]
+        return fit_torques(fitted, both, rounds=rounds)[0]
+
     plain, *others = readings(fitted.model.leg)
     driven, share = driven_joints(as_logged), _share_of_two(as_logged)
     best, least = None, reference - share * np.log(FITS_BETTER)
@@ -126,7 +168,7 @@ def _best_reading(
     passive = {name for name, is_driven in zip(names, driven, strict=True) if not is_driven}
     logged = kinematics = plain.angles, plain.angle_order
     few = torque_factors(fitted, fitted.data, few=True) if angles else as_logged
-    first, of_few = (fit_torques(fitted, each, rounds=1)[0].mean() for each in (as_logged, few))
+    first, of_few = (misfits(each, plain, rounds=1).mean() for each in (as_logged, few))
     for reading in others:
         joints = set(reading.joint.split(", "))
         moved = {joint for joint, (j, k) in zip(names, enumerate(reading.torque_order), strict=True) if j != k}
@@ -145,10 +187,10 @@ def _best_reading(
             read = ((one, {name: x[:, order] * signs for name, x in of.items() if x is not None}) for one, of in pairs)
             data = [replace(one, **changed) for one, changed in read]
             few, factors, most = torque_factors(fitted, data, few=True), [], of_few + share * np.log(FITS_BETTER)
-        if fit_torques(fitted, few, reading.torque_order, reading.torques, rounds=1)[0].mean() > most:
+        if misfits(few, reading, rounds=1).mean() > most:
             continue  # other weights, or the rest of the log, would not bring it so far
         factors = factors or torque_factors(fitted, data)
-        left, _ = fit_torques(fitted, factors, reading.torque_order, reading.torques)
+        left = misfits(factors, reading)
         if reading.kind == "torque-scale" and left.max() > np.log(0.5):
             continue  # a torque that hardly weighs lets the others contradict it
         # of a passive joint only the torques of others speak: they have to be three times clearer

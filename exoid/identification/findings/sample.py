@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
+from itertools import pairwise
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -109,6 +110,12 @@ def averaged(one: Recording | Poses, preparation: Preparation) -> Recording | Po
     }
     grouped = (lambda part: part.averaged(size)), (lambda mask: mask[:count].reshape(-1, size).all(axis=1))
     return change_samples(one, means, *grouped)
+
+
+def log_starts(names: Sequence[str], times: Sequence[FloatArray]) -> list[bool]:
+    """Which parts of data begin another log: another file, or times that begin anew."""
+    both = pairwise(zip(names, times, strict=True))
+    return [True, *(name != other or after[0] < before[-1] for (name, before), (other, after) in both)]
 
 
 def few_of(data: Sequence[Recording | Poses]) -> Sequence[Recording | Poses]:

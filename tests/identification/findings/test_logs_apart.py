@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from logs import clean
 from swings import TERMS, Swing
 
 import exoid
@@ -40,3 +41,25 @@ def test_logs_without_noise_are_alike():
     swings = [Swing(LEG, 100.0, 3.0, base=rng.uniform(0.05, 1.2), smoothing=0.015) for _ in range(COUNT)]
     logs = [replace(swing.with_noise(rng, 0.0), v=None, a=None) for swing in swings]
     assert not [one for one in exoid.identify(LEG, logs, TERMS).findings if one.kind == "large-residual"]
+
+
+GROSS = {  # what is wrong in one log of two: its angles, its torques, and the finding
+    "sign of a torque": (lambda q: q, lambda tau: tau * [1.0, -1.0, 1.0], "torque-sign", "left_knee"),
+    "torques swapped": (lambda q: q, lambda tau: tau[:, [0, 2, 1]], "joint-order", "left_knee, left_ankle"),
+    "angles swapped": (lambda q: q[:, [1, 0, 2]], lambda tau: tau, "joint-order", "left_hip, left_knee"),
+    "sign of an angle": (lambda q: q * [1.0, -1.0, 1.0], lambda tau: tau, "angle-sign", "left_knee"),
+    "all in N·mm": (lambda q: q, lambda tau: 1e3 * tau, "torque-scale", ""),
+    "one in N·mm": (lambda q: q, lambda tau: tau * [1.0, 1e3, 1.0], "torque-scale", "left_knee"),
+}
+
+
+@pytest.mark.parametrize("place", [0, 1])
+@pytest.mark.parametrize("name", GROSS)
+def test_a_gross_fault_of_one_log_of_two_is_named_there(name, place):
+    """It was quadratic friction, a drive's limit or a load of tons."""
+    angles, torques, kind, joint = GROSS[name]
+    (leg, one), (_, other) = clean(seed=1), clean(seed=2)
+    logs = [one, other]
+    logs[place] = replace(logs[place], q=angles(logs[place].q), tau=torques(logs[place].tau))
+    errors = {(x.kind, x.joint, x.recording) for x in exoid.check(leg, logs) if x.kind != "large-residual"}
+    assert errors == {(kind, joint, f"recording {place + 1}")}
