@@ -63,6 +63,8 @@ def to_predict(
     """Give an estimate the drives of recordings, bring these into the state of its training, and choose the filter."""
     # Torques are computed by the drives and shifted by the delays of the training, and late velocities are left out:
     # findings of each recording say so.
+    if not isinstance(estimate, EstimateData):
+        raise BadArgumentError(f"{estimate!r} is not of one leg", remedy='pass that of one group, estimate["left"]')
     several = list(recordings) if isinstance(recordings, Iterable) else [recordings]
     wrong = [item for item in several if not isinstance(item, Recording)]
     if wrong or not several:

@@ -56,10 +56,6 @@ def begin(
     else:
         pairs = pair_groups(leg, recordings, own)
     chosen = terms_of(terms)
-    wrong = [item for item in chosen if not isinstance(item, Term)]
-    if wrong:
-        what = f"{wrong[0]!r} is no term"
-        raise BadArgumentError(what, remedy="pass terms such as (exoid.Coulomb(), exoid.Viscous())")
     mounted: dict[str, Actuators] = {}
     if actuators is not None:
         for name, (of_group, data) in pairs.items():  # torques come before anything else looks at the recordings

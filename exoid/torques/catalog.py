@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -48,9 +48,16 @@ def at_slide(term: Term) -> Term:
     return replace(term, **found) if isinstance(term, DryFriction) else term
 
 
-def terms_of(terms: Sequence[Term] | None) -> tuple[Term, ...]:
+def terms_of(terms: Term | Iterable[Term] | None) -> tuple[Term, ...]:
     """Terms as a caller gives them, one or several; the default ones for None."""
-    return DEFAULT_TERMS if terms is None else (terms,) if isinstance(terms, (Term, str)) else tuple(terms)
+    if terms is None:
+        return DEFAULT_TERMS
+    several = tuple(terms) if isinstance(terms, Iterable) and not isinstance(terms, str) else (terms,)
+    wrong = [item for item in several if not isinstance(item, Term)]
+    if wrong:
+        remedy = "pass terms such as (exoid.Coulomb(), exoid.Viscous()), and a cut-off as cutoff="
+        raise BadArgumentError(f"{wrong[0]!r} is no term", remedy=remedy)
+    return several
 
 
 def register_term(name: str, kind: type[Term]) -> None:

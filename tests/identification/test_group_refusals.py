@@ -50,6 +50,7 @@ REFUSALS = {
     "two groups of one name": (lambda leg, two: identify(leg, {1: two["a"], "1": two["b"]}, TERMS), BAD),
     "no groups": (lambda leg, two: identify(leg, {}, TERMS), BAD),
     "no recordings": (lambda leg, two: identify(leg, {"a": []}, TERMS), BAD),
+    "a prediction by all groups": (lambda leg, two: exoid.validate(identify(leg, two, TERMS), two["a"]), BAD),
     "a group without motion": (lambda leg, two: identify(leg, {**two, "b": still(two["b"], 0, 1, 2)}, TERMS), NI),
     "a joint that moves in no group": (
         lambda leg, two: identify(leg, {name: still(data, 1) for name, data in two.items()}, TERMS, own="offset"),

@@ -94,6 +94,7 @@ REFUSALS = {
     "a path for a recording": (of(lambda s: ["log.csv"]), BAD, ()),
     "the name of a term": (of(whole, "coulomb"), BAD, ()),
     "the class of a term": (of(whole, (Coulomb,)), BAD, ()),
+    "a cut-off for terms": (of(whole, 5.0), BAD, ()),
     "a cut-off of zero": (of(whole, cutoff=0.0), BAD, ()),
     "a cut-off beyond half the rate": (of(whole, cutoff=60.0), ExoidError, ()),
     "no number for a cut-off": (of(whole, cutoff=float("nan")), BAD, ()),
