@@ -15,7 +15,7 @@ LEG = exoid.load_leg("cuhk")
 PLANT = Plant.build(LEG, {**published.cuhk_resistances(), "Ia_knee": 0.8})
 KP, KD = (22.0, 55.0), (2.2, 5.5)
 Q, V, A = np.array([0.3, 0.5]), np.array([0.2, -0.4]), np.array([1.0, 0.5])
-ROUNDS = 9
+ROUNDS = 7
 
 
 def steps():

@@ -64,7 +64,7 @@ def test_the_command_with_checks_against_that_without(tmp_path):
     out = "--output", str(tmp_path / "est.json")
     command = [sys.executable, "-m", "exoid", "--quiet", "identify", str(urdf_of("panda")), str(tmp_path / "arm.csv")]
     took = {"--check": [], "--no-check": []}
-    for _ in range(3):
+    for _ in range(2):
         for option, times in took.items():
             before = os.times()
             subprocess.run([*command, *out, option], check=True, stdout=subprocess.DEVNULL)

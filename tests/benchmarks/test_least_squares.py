@@ -21,7 +21,7 @@ from exoid.regression.least_squares import Solution
 from exoid.signals import FiniteDifference
 from exoid.torques import TorqueModel
 
-SAMPLES, RATE, ROUNDS = 200_000, 500.0, 3
+SAMPLES, RATE, ROUNDS = 200_000, 500.0, 2
 RATIO, WHOLE = 5.0, 0.3
 """Below these something has become slower: the same program had 7.5 to 9.9 and 0.47 to 0.77."""
 BYTES = 40.0

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-TURN = 0.15
+TURN = 0.1
 """A turn takes at least so long [s]: what is short is repeated, or it alone would find a quiet moment."""
 
 
