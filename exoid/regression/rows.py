@@ -110,9 +110,8 @@ def prepare(
         tau = _row_torque(model, recording, motion, preparation)
     except ExoidError as error:
         raise error if error.where else error.within(recording.file_name) from None
-    counting = np.logical_and.outer(
-        model.measured_rows(recording.measured), inside
-    ).T  # joint by joint, as the other masks
+    # joint by joint, as the other masks
+    counting = np.logical_and.outer(model.measured_rows(recording.measured), inside).T
     pulses = None
     if parallel is not None and slow is not None:
         unknown = around_stops(slow, parallel).T & counting.T  # friction, where a torque was measured and counts
