@@ -6,6 +6,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 from lxml import etree
+from urdf_text import joint_text
 
 from exoid import Leg
 from exoid.leg.loops import Loops
@@ -39,11 +40,8 @@ def link(name: str, rng: np.random.Generator, mass: float, length: float, *, pla
 
 def joint(name: str, parent: str, child: str, xyz: np.ndarray, axis: str = "0 1 0", limit: float = 0.6) -> str:
     """Write a joint."""
-    place = " ".join(f"{x:.5f}" for x in xyz)
-    return (
-        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/><origin xyz="{place}"/>'
-        f'<axis xyz="{axis}"/><limit lower="-{limit}" upper="{limit}" effort="100" velocity="10"/></joint>'
-    )
+    limits = (limit, 100.0, 10.0)
+    return joint_text(name, "revolute", parent, child, np.round(xyz, 5), map(float, axis.split()), limits)
 
 
 def near(rng: np.random.Generator, *place: float) -> np.ndarray:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from urdf_text import joint_text, link_text
 
 from exoid import Leg
 from exoid.leg.description import Description, describe
@@ -113,15 +114,15 @@ class PlanarURDF:
             place = pin.SE3(segment.frame, above.translation + self.plane.T @ segment.offset)
             if segment.spacer is not None:
                 parts += [f'<link name="spacer_{joint}"/>']
-                parts += [_joint(f"fixed_{joint}", "fixed", link, f"spacer_{joint}", segment.spacer)]
+                parts += [joint_text(f"fixed_{joint}", "fixed", link, f"spacer_{joint}", segment.spacer)]
                 link, above = f"spacer_{joint}", above * segment.spacer
             kind = "continuous" if segment.continuous else "revolute"
             axis = segment.frame.T @ (-segment.sign * self.plane[1])
-            parts += [link_text(name, segment.body), _joint(joint, kind, link, name, above.actInv(place), axis)]
+            parts += [link_text(name, segment.body), joint_text(joint, kind, link, name, above.actInv(place), axis)]
             if segment.attached is not None:
                 where, body = segment.attached
                 parts += [link_text(f"attached_{joint}", body)]
-                parts += [_joint(f"screw_{joint}", "fixed", name, f"attached_{joint}", where)]
+                parts += [joint_text(f"screw_{joint}", "fixed", name, f"attached_{joint}", where)]
             link, above = name, place
         return "\n".join([*parts, "</robot>"])
 
@@ -195,29 +196,3 @@ def assert_relative(actual: Array, expected: Array, tolerance: float) -> None:
 
 def _placement(rng: np.random.Generator) -> pin.SE3:
     return pin.SE3(pin.rpy.rpyToMatrix(rng.uniform(-3, 3, 3)), rng.uniform(-0.2, 0.2, 3))
-
-
-def _numbers(values: Array) -> str:
-    return " ".join(repr(float(value)) for value in values)
-
-
-def _origin(placement: pin.SE3) -> str:
-    return (
-        f'<origin xyz="{_numbers(placement.translation)}" rpy="{_numbers(pin.rpy.matrixToRpy(placement.rotation))}"/>'
-    )
-
-
-def link_text(name: str, body: Body) -> str:
-    entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-    inertia = " ".join(f'{key}="{float(body.inertia[index])!r}"' for key, index in entries.items())
-    return (
-        f'<link name="{name}"><inertial><origin xyz="{_numbers(body.centre)}"/>'
-        f'<mass value="{body.mass!r}"/><inertia {inertia}/></inertial></link>'
-    )
-
-
-def _joint(name: str, kind: str, parent: str, child: str, origin: pin.SE3, axis: Array | None = None) -> str:
-    limit = '<limit lower="-3" upper="3" effort="100" velocity="10"/>' if kind == "revolute" else ""
-    turn = "" if axis is None else f'<axis xyz="{_numbers(axis)}"/>'
-    ends = f'<parent link="{parent}"/><child link="{child}"/>'
-    return f'<joint name="{name}" type="{kind}">{_origin(origin)}{ends}{turn}{limit}</joint>'

@@ -5,7 +5,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from planar_chains import PLANES, Body, PlanarURDF, link_text, random_chain
+from planar_chains import PLANES, Body, PlanarURDF, random_chain
+from urdf_text import link_text
 
 from exoid import Leg
 from exoid.leg.description import describe

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from urdf_text import joint_text, link_text, row
 
 import exoid
 from exoid.torques import Term
@@ -28,11 +29,6 @@ class Body:
     mass: float
     centre: Array
     inertia: Array
-
-    @property
-    def numbers(self) -> list[float]:
-        """Inertia as xx, yy, zz, xy, xz, yz."""
-        return [float(self.inertia[i]) for i in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,26 +127,26 @@ class Machine:
     def urdf(self, *, believed: bool = False) -> str:
         """URDF with the true bodies, or with those of the CAD."""
         root, *bodies = self.believed if believed else (self.root, *self.bodies)
-        parts = [_link("root", root), *(_link(f"link_{j.name}", b) for j, b in zip(self.joints, bodies, strict=True))]
-        parent = "root"
-        for joint in self.joints:
-            kind = "prismatic" if joint.slides else "revolute"
-            parts.append(_urdf_joint(joint.name, kind, parent, f"link_{joint.name}", joint.offset, joint.axis))
-            parent = f"link_{joint.name}"
+        parts, parent = [link_text("root", root)], "root"
+        for joint, body in zip(self.joints, bodies, strict=True):
+            kind, link = "prismatic" if joint.slides else "revolute", f"link_{joint.name}"
+            parts.append(link_text(link, body))
+            parts.append(joint_text(joint.name, kind, parent, link, joint.offset, joint.axis, (3.1, 1e4, 20.0)))
+            parent = link
         if self.tool is not None:
-            parts += [_link("tool", self.tool), _urdf_joint("mount", "fixed", parent, "tool", self.end, None)]
+            parts += [link_text("tool", self.tool), joint_text("mount", "fixed", parent, "tool", self.end)]
         return "<robot name='drawn'>\n" + "\n".join(parts) + "\n</robot>\n"
 
     def mjcf(self, *, believed: bool = False) -> str:
         """MuJoCo's model; the rotor behind a spring is a joint of its own, on a body without weight."""
         root, *bodies = self.believed if believed else (self.root, *self.bodies)
-        tool = "" if self.tool is None else f'<body name="tool" pos="{_row(self.end)}">{_inertial(self.tool)}</body>'
+        tool = "" if self.tool is None else f'<body name="tool" pos="{row(self.end)}">{_inertial(self.tool)}</body>'
         tree = tool
         for joint, body in zip(self.joints[::-1], bodies[::-1], strict=True):
             armature = 0.0 if joint.spring else joint.rotor
             kind = "slide" if joint.slides else "hinge"
-            hinge = f'<joint name="{joint.name}" type="{kind}" axis="{_row(joint.axis)}" armature="{armature!r}"/>'
-            tree = f'<body name="link_{joint.name}" pos="{_row(joint.offset)}">{hinge}{_inertial(body)}{tree}</body>\n'
+            hinge = f'<joint name="{joint.name}" type="{kind}" axis="{row(joint.axis)}" armature="{armature!r}"/>'
+            tree = f'<body name="link_{joint.name}" pos="{row(joint.offset)}">{hinge}{_inertial(body)}{tree}</body>\n'
         free = '<freejoint name="base"/>' if self.floating else ""
         tree = f'<body name="root">{free}{_inertial(root)}{tree}</body>'
         for joint in self.joints:
@@ -275,29 +271,6 @@ def _draw_axes(rng: np.random.Generator, count: int) -> Array:
     return axes / np.linalg.norm(axes, axis=1, keepdims=True)
 
 
-def _row(values: Array) -> str:
-    return " ".join(repr(float(value)) for value in values)
-
-
-def _link(name: str, body: Body) -> str:
-    keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-    inertia = " ".join(f'{key}="{value!r}"' for key, value in zip(keys, body.numbers, strict=True))
-    return (
-        f'<link name="{name}"><inertial><origin xyz="{_row(body.centre)}"/><mass value="{body.mass!r}"/>'
-        f"<inertia {inertia}/></inertial></link>"
-    )
-
-
-def _urdf_joint(name: str, kind: str, parent: str, child: str, offset: Array, axis: Array | None) -> str:
-    turn = (
-        ""
-        if axis is None
-        else f'<axis xyz="{_row(axis)}"/><limit lower="-3.1" upper="3.1" effort="1e4" velocity="20"/>'
-    )
-    ends = f'<parent link="{parent}"/><child link="{child}"/>'
-    return f'<joint name="{name}" type="{kind}"><origin xyz="{_row(offset)}"/>{ends}{turn}</joint>'
-
-
 def _inertial(body: Body) -> str:
-    inertia = _row(np.array(body.numbers))
-    return f'<inertial pos="{_row(body.centre)}" mass="{body.mass!r}" fullinertia="{inertia}"/>'
+    inertia = row(body.inertia[i] for i in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    return f'<inertial pos="{row(body.centre)}" mass="{body.mass!r}" fullinertia="{inertia}"/>'
