@@ -1,9 +1,9 @@
 """A leg of one joint, and a log of it."""
 
 import numpy as np
-from swings import harmonics
+from swings import harmonics, log_of
 
-from exoid import Leg, Recording
+from exoid import Leg
 
 URDF = """<robot name="one">
   <link name="base"/>
@@ -30,6 +30,4 @@ def swing(leg, *, seconds=20.0, rate=100.0, seed=0):
     """A motion of two frequencies, with torques of the leg, friction and noise."""
     time = np.arange(round(seconds * rate)) / rate
     q, v, a = harmonics(time, np.array([[0.5, 0.3]]), np.array([1.7, 4.1]), np.array([0.0, 1.0]))
-    noise = 0.05 * np.random.default_rng(seed).normal(size=q.shape)
-    tau = leg.inverse_dynamics(q, v, a) + 2.0 * np.tanh(v / 0.01) + 0.5 * v + noise
-    return Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)
+    return log_of(leg, time, (q, v, a), 2.0 * np.tanh(v / 0.01) + 0.5 * v, 0.05, seed)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from swings import SMOOTH, SMOOTHING, Swing, coloured
+from swings import SMOOTH, SMOOTHING, Swing, coloured, log_of
 
-from exoid import Leg, Recording
+from exoid import Leg
 from exoid.torques import Offset, TorqueModel, Viscous
 
 TERMS = (SMOOTH, Viscous(), Offset())
@@ -63,11 +63,10 @@ class Session:
         """Exact motion, torque with noise if any."""
         swing = Swing(self.leg, self.rate, self.seconds, self.seed, base=0.15)
         q, v, a = swing.motion
-        tau = self.leg.inverse_dynamics(q, v, a) + self.offset
-        tau += np.multiply(self.coulomb, np.tanh(v / SMOOTHING)) + np.multiply(self.viscous, v)
+        acting = self.offset + np.multiply(self.coulomb, np.tanh(v / SMOOTHING)) + np.multiply(self.viscous, v)
         if rng is not None:
-            tau = tau + noise.draw(rng, tau.shape)
-        return Recording(time=swing.time, q=q, v=v, a=a, tau=tau, joint_names=self.leg.joint_names)
+            acting = acting + noise.draw(rng, acting.shape)
+        return log_of(self.leg, swing.time, (q, v, a), acting, exact=True)
 
 
 def truth_of(together, sessions):

@@ -33,6 +33,18 @@ def coloured(rng, shape, memory):
     return lfilter([1.0], [1.0, -memory], drive, axis=0)
 
 
+def log_of(leg, time, motion, acting=0.0, noise=0.0, seed=0, *, exact=False):
+    """Log of a leg: Pinocchio's inverse dynamics, torques that act beside them, and white noise [N·m].
+
+    Angles alone are logged, or exact velocities and accelerations, too.
+    """
+    q, v, a = motion
+    white = np.random.default_rng(seed).standard_normal(q.shape)
+    tau = leg.inverse_dynamics(q, v, a) + acting + noise * white
+    measured = {"v": v, "a": a} if exact else {}
+    return Recording(time, q, tau=tau, joint_names=leg.joint_names, **measured)
+
+
 def holds(estimate, truth):
     """Whether the 95 % interval of each parameter contains its true value, (P,)."""
     low, high = estimate.interval(0.95).T
@@ -95,11 +107,15 @@ class Swing:
         """Values that an estimate with :data:`TERMS` should find, (P,)."""
         return np.concatenate([self.leg.parameters, self.coulomb, self.viscous])
 
+    def friction(self, v):
+        """[N·m], (N, n)."""
+        return self.coulomb * np.tanh(v / self.smoothing) + self.viscous * v
+
     @cached_property
     def torque(self):
         """Pinocchio's inverse dynamics plus friction [N·m], (N, n)."""
         q, v, a = self.motion
-        return self.leg.inverse_dynamics(q, v, a) + self.coulomb * np.tanh(v / self.smoothing) + self.viscous * v
+        return self.leg.inverse_dynamics(q, v, a) + self.friction(v)
 
     def recording(self, **changes):
         """Angles, velocities, accelerations and torques, all exact unless changed."""

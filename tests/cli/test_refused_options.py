@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from controlled_legs import LEG, exact_estimate
 from log_writers import named_columns, write_columns
+from swings import log_of
 from walking import Walk
 
 import exoid
@@ -128,10 +129,9 @@ def folder(tmp_path_factory):
     data.train.segments(spans).to_csv(path / "masked.csv")
     motion = Walk(LEG, seconds=20.0)
     exoid.Recording(motion.time, motion.joints[0], joint_names=LEG.joint_names).to_csv(path / "slow.csv")
-    tau, names = LEG.inverse_dynamics(*motion.joints), LEG.joint_names
-    log = exoid.Recording(motion.time, motion.joints[0], tau=tau, joint_names=names)
+    log = log_of(LEG, motion.time, motion.joints)
     log.to_csv(path / "log.csv")
-    rail = dict.fromkeys(RAIL, np.ones(len(tau)))
+    rail = dict.fromkeys(RAIL, np.ones(len(log)))
     write_columns(path / "rail.csv", **named_columns(log), **rail)
     (path / "empty").mkdir()
     return path

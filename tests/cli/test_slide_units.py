@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from small_urdfs import BODY
-from swings import harmonics
+from swings import harmonics, log_of
 
 import exoid
 from exoid.view.report.fit import friction_blocks, predict_recording, torque_blocks
@@ -28,9 +28,7 @@ def folder(tmp_path_factory):
     w, size = 2.0 * np.pi * np.array([[0.3, 0.7, 1.1]]), np.array([[0.05, 0.03, 0.015], [0.5, 0.3, 0.15]])
     q, v, a = harmonics(time, size, w, np.array([0.0, 1.0, 2.0]))
     friction = np.array([14.0, 1.0]) * np.tanh(v / [1e-3, 0.01]) + np.array([20.0, 0.5]) * v
-    tau = leg.inverse_dynamics(q, v, a) + friction
-    tau += np.random.default_rng(0).normal(0.0, [0.5, 0.05], tau.shape)
-    log = exoid.Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)
+    log = log_of(leg, time, (q, v, a), friction, np.array([0.5, 0.05]))
     log.to_csv(folder / "log.csv")
     exoid.identify(leg, log).save(folder / "est.json")
     return folder

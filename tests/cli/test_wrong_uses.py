@@ -7,7 +7,7 @@ import numpy as np
 import one_joint
 import pytest
 from small_urdfs import URDF
-from swings import harmonics
+from swings import harmonics, log_of
 
 import exoid
 
@@ -88,13 +88,10 @@ ALL = [pytest.param(wrong, id=wrong.command) for kind in BY_KIND.values() for wr
 
 def swing(leg):
     """A log of both joints, with friction and noise."""
-    time, phase = np.arange(1000) / 100.0, np.array([[0.0, 0.5], [1.0, 2.0]])
-    w, size = np.array([[1.7, 2.3], [4.1, 5.2]]), np.array([[0.5, 0.4], [0.3, 0.3]])
-    q, v, a = harmonics(time, size.T, w.T, phase.T)
-    q = q - np.array([0.0, 1.0])
-    tau = leg.inverse_dynamics(q, v, a) + 0.3 * np.tanh(v / 0.01) + 0.2 * v
-    tau += 0.02 * np.random.default_rng(0).normal(size=q.shape)
-    return exoid.Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)
+    time, phase = np.arange(1000) / 100.0, np.array([[0.0, 1.0], [0.5, 2.0]])
+    w, size = np.array([[1.7, 4.1], [2.3, 5.2]]), np.array([[0.5, 0.3], [0.4, 0.3]])
+    q, v, a = harmonics(time, size, w, phase)
+    return log_of(leg, time, (q - [0.0, 1.0], v, a), 0.3 * np.tanh(v / 0.01) + 0.2 * v, 0.02)
 
 
 @pytest.fixture(scope="module")

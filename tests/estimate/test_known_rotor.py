@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from lxml import etree
 from made_estimates import from_file
-from swings import harmonics
+from swings import harmonics, log_of
 
 import exoid
-from exoid import Armature, Leg, Recording
+from exoid import Armature, Leg
 
 ROTOR = 0.05
 
@@ -88,8 +88,7 @@ def test_rounding_of_a_right_angle_gives_no_rotor_inertia_of_tons(right_angle):
     w = 2.0 * np.pi * np.array([0.2, 0.5, 0.9])
     size, phase = rng.uniform(0.2, 0.5, (2, 3)), rng.uniform(0.0, 6.0, (2, 3))
     q, v, a = harmonics(time, size, w, phase)
-    tau = leg.inverse_dynamics(q, v, a) + 0.1 * a + rng.normal(scale=0.05, size=q.shape)
-    recording = Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+    recording = log_of(leg, time, (q, v, a), 0.1 * a, 0.05, rng, exact=True)
     estimate = exoid.identify(leg, recording, (Armature(),))
     assert [one.name for one in estimate.regrouped] == ["Ia_one", "Ia_two"]
     assert (np.abs(estimate.values) < 10.0).all()

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from made_estimates import from_file
-from swings import Swing
+from swings import Swing, log_of
 
 import exoid
 from exoid import Armature, Coulomb, Offset, Viscous
@@ -41,13 +41,11 @@ def friction(form, q, v):
 def log(leg, form, base, seed):
     """A minute of a motion with noise on angles and torques."""
     swing = Swing(leg, seconds=60.0, seed=seed, base=base)
-    q, v, a = swing.motion
+    q, v, _ = swing.motion
     rng, size = np.random.default_rng(seed), size_of(leg)
-    tau = leg.inverse_dynamics(q, v, a) + 0.06 * size * friction(form, q, v)
     angles = q + rng.normal(scale=1e-4, size=q.shape)
-    return exoid.Recording(
-        swing.time, angles, tau=tau + rng.normal(scale=0.03 * size, size=tau.shape), joint_names=leg.joint_names
-    )
+    acting = 0.06 * size * friction(form, q, v)
+    return dataclasses.replace(log_of(leg, swing.time, swing.motion, acting, 0.03 * size, rng), q=angles)
 
 
 def without(estimate):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from swings import harmonics
+from swings import harmonics, log_of
 from unchecked import identify
 
 from exoid import Coulomb, ExoidError, Leg, Offset, Recording, Viscous
@@ -95,8 +95,8 @@ def test_at_a_single_joint_driving_and_back_driving_are_not_told_apart_without_b
     """Half their difference scales the only rigid-body torque there is; with a sharp sign nothing else shows it."""
     knee = Leg.from_description(cuhk_leg.description, ("left_knee",))
     time, q, v, a = (x[..., :1] if x.ndim > 1 else x for x in motion_of())
-    tau = knee.inverse_dynamics(q, v, a) * (1.0 + 0.1 * np.sign(v * knee.inverse_dynamics(q, v, a)))
-    recording = Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=knee.joint_names)
+    load = knee.inverse_dynamics(q, v, a)
+    recording = log_of(knee, time, (q, v, a), 0.1 * load * np.sign(v * load), exact=True)
     with pytest.raises(ExoidError, match=r"mu_drive_knee.*cannot be told apart"):
         identify(knee, recording, (LoadFriction(split=True, smoothing=0.0),), preparation=EXACT)
     est = identify(knee, recording, (LoadFriction(smoothing=0.0),), preparation=EXACT)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from outcomes import refused
-from swings import TERMS, Swing
+from swings import TERMS, Swing, log_of
 
 import exoid
 from exoid import Coulomb, ExoidError, Offset, Recording, Viscous
@@ -23,8 +23,7 @@ def swing(leg):
 def moved(swing, transform):
     """Recording of the same leg whose q, v and a pass a linear map of the joints, with the torque that goes with it."""
     q, v, a = (x @ np.asarray(transform, dtype=float).T for x in swing.motion)
-    tau = swing.leg.inverse_dynamics(q, v, a) + swing.coulomb * np.tanh(v / 0.02) + swing.viscous * v
-    return swing.recording(q=q, v=v, a=a, tau=tau)
+    return log_of(swing.leg, swing.time, (q, v, a), swing.friction(v), exact=True)
 
 
 def with_torque(swing, joint, value, share=1.0):
@@ -130,8 +129,7 @@ def test_locking_the_still_joint_as_the_error_says_works(swing):
 def test_a_poor_motion_that_still_determines_everything_prints_a_warning(leg):
     """Half a degree of noise-free motion at one slow frequency: solvable, not trustworthy, and it says so."""
     swing = Swing(leg, seconds=30.0)
-    q, v, a = (0.02 * x for x in swing.motion)
-    recording = swing.recording(q=q, v=v, a=a, tau=leg.inverse_dynamics(q, v, a))
+    recording = log_of(leg, swing.time, [0.02 * x for x in swing.motion], exact=True)
     estimate = exoid.identify(leg, recording, (Offset(),), preparation=PLAIN)
     assert estimate.condition_number > 100.0
     assert "ill-conditioned: excite more" in str(estimate)

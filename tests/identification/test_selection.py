@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from swings import harmonics
+from swings import harmonics, log_of
 
 import exoid
-from exoid import Armature, Coulomb, ExoidError, Recording, Viscous
+from exoid import Armature, Coulomb, ExoidError, Viscous
 from exoid.errors import BadArgumentError, NotIdentifiableError
 from exoid.identification import select_terms
 from exoid.identification.selection.by_joint import _no_worse, _scored
@@ -31,10 +31,8 @@ def recorded(leg, friction, seed=1, noise=0.02, offset=0.0, seconds=16.0, rate=2
     omega = 2.0 * np.pi * 0.1 * np.arange(1, 8)
     size = rng.uniform(0.3, 1.0, (2, 7)) * 0.25 / np.arange(1, 8) ** 0.7
     q, v, a = harmonics(time, size, omega, rng.uniform(0.0, 2.0 * np.pi, (2, 7)))
-    rigid = leg.inverse_dynamics(q, v, a)
-    tau = rigid + friction(q, v, rigid) + offset
-    tau = tau + noise * np.random.default_rng(seed + 50).standard_normal(q.shape)
-    return Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+    acting = friction(q, v, leg.inverse_dynamics(q, v, a)) + offset
+    return log_of(leg, time, (q, v, a), acting, noise, seed + 50, exact=True)
 
 
 def different(q, v, rigid):

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from outcomes import outcome
 from planar_chains import random_chain
+from swings import harmonics, log_of
 
 import exoid
 from exoid import Armature, Coulomb, Estimate, Offset, Recording, Stiffness, Viscous
@@ -56,9 +57,7 @@ def _motion(leg, seed, samples=160, rate=50.0):
     time = np.arange(samples) / rate
     omega = 2.0 * np.pi * rng.uniform(0.2, 2.0, (n, 4))
     size, phase = rng.uniform(0.1, 0.4, (n, 4)), rng.uniform(0.0, 6.0, (n, 4))
-    angle = np.multiply.outer(time, omega) + phase
-    state = (size * np.sin(angle), size * omega * np.cos(angle), -size * omega**2 * np.sin(angle))
-    return time, *(x.sum(-1) for x in state)
+    return time, *harmonics(time, size, omega, phase)
 
 
 @pytest.mark.slow
@@ -92,9 +91,8 @@ def test_an_estimate_scales_with_the_torque_and_does_not_depend_on_the_order_of_
     rng = np.random.default_rng(seed)
     recordings = []
     for k in range(2):
-        time, q, v, a = _motion(leg, seed + k)
-        tau = leg.inverse_dynamics(q, v, a) + 0.05 * rng.standard_normal(q.shape)
-        recordings.append(Recording(time=time, q=q, v=v, a=a, tau=tau, joint_names=leg.joint_names))
+        time, *motion = _motion(leg, seed + k)
+        recordings.append(log_of(leg, time, motion, noise=0.05, seed=rng, exact=True))
     options = {"terms": (Viscous(),), "estimator": estimator, "preparation": FiniteDifference()}
     result = outcome(exoid.identify, leg, recordings, **options)
     if not isinstance(result, Estimate):

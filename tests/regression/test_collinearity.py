@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from swings import TERMS, Swing
+from swings import TERMS, Swing, harmonics, log_of
 from unchecked import identify
 
 import exoid
-from exoid import Recording, Stiffness
+from exoid import Stiffness
 from exoid.identification.group_rows import Group
 from exoid.identification.problem import Problem
 from exoid.regression.diagnostics import HOPELESS, ILL_CONDITIONED, Collinearity, identifiability_class, reference_scale
@@ -66,12 +66,9 @@ def test_what_moves_together_is_at_best_weakly_determined(index, expected):
 
 def slow(leg, seed=0):
     """One sine of 0.05 Hz at each joint: accelerations are the angles again, and so nearly is gravity."""
-    time, omega = np.arange(6000) / 100.0, 2.0 * np.pi * 0.05
-    argument = omega * time[:, None] + np.array([0.3, 1.1])
-    q, v, a = 0.2 * np.sin(argument), 0.2 * omega * np.cos(argument), -0.2 * omega**2 * np.sin(argument)
-    rng = np.random.default_rng(seed)
-    tau = leg.inverse_dynamics(q, v, a) + 0.5 * np.tanh(v / 0.02) + 0.1 * v + rng.normal(scale=1e-3, size=q.shape)
-    return Recording(time, q, v=v, a=a, tau=tau, joint_names=leg.joint_names)
+    time = np.arange(6000) / 100.0
+    q, v, a = harmonics(time, 0.2, 2.0 * np.pi * 0.05, np.array([[0.3], [1.1]]))
+    return log_of(leg, time, (q, v, a), 0.5 * np.tanh(v / 0.02) + 0.1 * v, 1e-3, seed, exact=True)
 
 
 def test_a_slow_motion_does_not_make_an_inertia_sure_however_small_its_error():

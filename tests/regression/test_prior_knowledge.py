@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from swings import TERMS, coloured, holds
+from swings import TERMS, coloured, holds, log_of
 from unchecked import identify
 
 import exoid
@@ -19,10 +19,8 @@ NOISE = np.array([1.0, 0.7, 0.3])
 def still_ankle(swing, seed=0):
     """The ankle is held at 0.2 rad; torques with white noise."""
     q, v, a = (x * [1.0, 1.0, 0.0] for x in swing.motion)
-    q = q + np.array([0.0, 0.0, 0.2])
-    tau = swing.leg.inverse_dynamics(q, v, a) + swing.coulomb * np.tanh(v / 0.02) + swing.viscous * v
-    noise = np.random.default_rng(seed).normal(scale=0.3, size=tau.shape)
-    return swing.recording(q=q, v=v, a=a, tau=tau + noise)
+    motion = q + np.array([0.0, 0.0, 0.2]), v, a
+    return log_of(swing.leg, swing.time, motion, swing.friction(v), 0.3, seed, exact=True)
 
 
 @pytest.mark.parametrize("estimator", ["ols", "wls", "huber"])

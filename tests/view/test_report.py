@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from html_pages import check, undrawn
-from swings import harmonics
+from swings import harmonics, log_of
 
 import exoid
 from exoid.experiments.excitation import assess
@@ -97,9 +97,7 @@ def test_modelled_and_measured_friction_are_those_of_the_leg(leg):
     q, v, a = harmonics(time, 0.3, np.array([[1.0], [1.7], [2.3]]), 0.0)
     q += [0.3, -0.7, 0.0]
     friction = 2.0 * np.tanh(v / 0.02) + 0.7 * v
-    noise = 0.01 * np.random.default_rng(3).standard_normal(q.shape)
-    tau = leg.inverse_dynamics(q, v, a) + friction + noise
-    recording = exoid.Recording(time, q, v, a, tau, joint_names=leg.joint_names)
+    recording = log_of(leg, time, (q, v, a), friction, 0.01, 3, exact=True)
     estimate = exoid.identify(leg, recording, (Coulomb(smoothing=0.02, reversal_speed=0.0), Viscous()))
     found = predict_recording(estimate, recording)
     start = len(time) // 2 - len(found.friction) // 2

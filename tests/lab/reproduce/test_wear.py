@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from swings import harmonics
+from swings import harmonics, log_of
 
 import exoid
 from exoid import ExoidError, published, reproduce
@@ -95,9 +95,7 @@ def test_the_cad_of_cuhk_lacks_friction_and_errs_in_its_bodies(cuhk):
 def _short_cuhk():
     """Leg and a short log of it, for an estimate of any quality."""
     leg, time = exoid.load_leg("cuhk"), np.arange(0.0, 10.0, 0.01)
-    q, v, a = harmonics(time, 1.0, np.array([[4.0], [7.0]]), 0.0)
-    tau = leg.inverse_dynamics(q, v, a) + 0.1 * np.random.default_rng(0).standard_normal(q.shape)
-    return leg, exoid.Recording(time, q, tau=tau, joint_names=leg.joint_names), ()
+    return leg, log_of(leg, time, harmonics(time, 1.0, np.array([[4.0], [7.0]]), 0.0), noise=0.1), ()
 
 
 @pytest.mark.parametrize("given", [{"source": "hal"}, {"period": -1.0}, {"most": 1.0}])
