@@ -1,10 +1,10 @@
 """Errors of the command name all that is wrong at once, and what is full."""
 
 import os
-import signal
 
 import numpy as np
 import pytest
+from processes import full_disk
 
 import exoid
 from exoid.regression.row_data import RowsFile
@@ -24,17 +24,9 @@ def test_all_torque_channels_that_are_dead_are_named_at_once(exoid_, tmp_path, d
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of POSIX")
 def test_a_full_folder_of_temporary_files_is_named(tmp_path, monkeypatch):
-    """A limit on the size of files stands for the disk."""
-    resource = pytest.importorskip("resource")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    old, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    try:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, old[1]))
-        with pytest.raises(exoid.ExoidError) as caught:
-            RowsFile(np.zeros(100_000))
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
-        signal.signal(signal.SIGXFSZ, handler)
+    with full_disk(), pytest.raises(exoid.ExoidError) as caught:
+        RowsFile(np.zeros(100_000))
     assert str(caught.value) == (
         f"{tmp_path}: temporary rows cannot be written: File too large. To fix it: free space there, or name "
         "another folder by the environment variable TMPDIR"

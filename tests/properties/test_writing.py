@@ -1,7 +1,6 @@
 """Writers that are killed, that run out of disk or of rights, or that meet another of their kind."""
 
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -10,6 +9,7 @@ import time
 
 import numpy as np
 import pytest
+from processes import full_disk
 
 from exoid import Estimate, ExoidError, Leg, Recording
 
@@ -93,15 +93,7 @@ def _recording():
 
 @pytest.mark.parametrize("what", WRITES)
 def test_a_full_disk_ends_in_one_line_and_leaves_nothing(estimate, tmp_path, what):
-    """A limit on the size of files stands for the disk: writing fails midway, with an error of the system."""
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    try:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, old[1]))
-        with pytest.raises(ExoidError, match=r"new\.\w+: cannot be written: File too large") as caught:
-            WRITES[what](estimate, tmp_path)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
-        signal.signal(signal.SIGXFSZ, handler)
+    with full_disk(), pytest.raises(ExoidError, match=r"new\.\w+: cannot be written: File too large") as caught:
+        WRITES[what](estimate, tmp_path)
     assert "disk with free space" in str(caught.value)
     assert list(tmp_path.iterdir()) == []
