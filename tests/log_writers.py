@@ -128,6 +128,18 @@ def write_bag1(path, content, *, compress=False):
             bag.write(connection, stamp, store.serialize_ros1(joint_state(store, stamp, *fields), JOINT_STATE))
 
 
+PLATE = ("ground_force_1_v", "ground_force_1_p", "ground_torque_1_")
+
+
+def plate(force, point, moment, names=PLATE):
+    """Columns of a force plate of OpenSim, x forward, y up, z right, of vectors in axes x forward, y left, z up."""
+    return {
+        f"{name}{axis}": column
+        for name, vectors in zip(names, (force, point, moment), strict=True)
+        for axis, column in zip("xyz", (vectors[:, 0], vectors[:, 2], -vectors[:, 1]), strict=True)
+    }
+
+
 def write_columns(path, **columns):
     """Write columns in the format that the ending of the file names."""
     if path.suffix == ".npz":

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from log_writers import write_columns, write_opensim
+from log_writers import plate, write_columns, write_opensim
 from swings import harmonics
 
 import exoid
@@ -55,11 +55,6 @@ def torques(time, seed=1, load=1.0):
     return out
 
 
-def to_opensim(names, vectors):
-    """Columns in axes x forward, y up, z right."""
-    return dict(zip(names, (vectors[:, 0], vectors[:, 2], -vectors[:, 1]), strict=True))
-
-
 MOMENTS = tuple(f"{name}_moment" for name in COLUMNS)
 
 
@@ -74,10 +69,9 @@ def write_kinematics(path, time, seed=1):
 
 
 def write_plate(path, time):
-    """Write the force on the foot, and its centre of pressure."""
-    plate = to_opensim([f"ground_force_1_v{axis}" for axis in "xyz"], force_on_foot(time))
-    plate |= to_opensim([f"ground_force_1_p{axis}" for axis in "xyz"], np.tile(POINT, (len(time), 1)))
-    write_opensim(path, time, plate)
+    """Write the force on the foot, its centre of pressure, and no free moment."""
+    force = force_on_foot(time)
+    write_opensim(path, time, plate(force, np.tile(POINT, (len(time), 1)), 0.0 * force))
 
 
 def write_lab(path):

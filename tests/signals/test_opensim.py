@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from log_writers import write_opensim
+from log_writers import PLATE, plate, write_opensim
 
 import exoid
 from exoid import ExoidError, Recording
@@ -12,21 +12,6 @@ from exoid.signals import Column, read_opensim, read_opensim_forces, wrenches_on
 
 TIME = np.arange(200) / 100.0
 ANGLE = 30.0 * np.sin(TIME)
-PLATE = ("ground_force_1_v", "ground_force_1_p", "ground_torque_1_")
-
-
-def to_opensim(vectors):
-    """Vectors in axes x forward, y left, z up, in OpenSim's x forward, y up, z right."""
-    return np.column_stack([vectors[:, 0], vectors[:, 2], -vectors[:, 1]])
-
-
-def plate(force, point, moment, names=PLATE):
-    """Columns of a force plate, of vectors in axes z up."""
-    return {
-        f"{name}{axis}": column
-        for name, vectors in zip(names, (force, point, moment), strict=True)
-        for axis, column in zip("xyz", to_opensim(vectors).T, strict=True)
-    }
 
 
 def step(time):

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from swings import harmonics
 
 from exoid.signals import FiniteDifference, MovingAverage, Recording, ZeroPhase
 
@@ -14,13 +15,7 @@ WAYS = [ZeroPhase(), ZeroPhase(5.0, 20.0), FiniteDifference(), MovingAverage(0.3
 
 def truth(time):
     """Angle, velocity and acceleration of two joints; at t = 0 both are in the middle of a motion."""
-    q, v, a = (np.empty((len(time), 2)) for _ in range(3))
-    for joint, shift in enumerate((0.4, 2.0)):
-        phase = np.outer(time, FREQUENCIES) + shift * np.arange(1, 5)
-        q[:, joint] = np.sin(phase) @ AMPLITUDES
-        v[:, joint] = np.cos(phase) @ (AMPLITUDES * FREQUENCIES)
-        a[:, joint] = -np.sin(phase) @ (AMPLITUDES * FREQUENCIES**2)
-    return q, v, a
+    return harmonics(time, AMPLITUDES, FREQUENCIES, np.outer([0.4, 2.0], np.arange(1, 5)))
 
 
 def recording(rate=200.0, seconds=12.0, **changes):
