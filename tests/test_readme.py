@@ -46,8 +46,8 @@ def test_the_readme_is_short():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", COMMANDS)
-def test_the_commands_run(block, folder):
-    printed = run(folder, commands=exoid_commands(block))
+def test_the_commands_run(block, folder, monkeypatch, capsys):
+    printed = Page(PAGE.name, "", exoid_commands(block), ()).run_here(folder, monkeypatch, capsys)
     for output in PAGE.shown:
         if output.splitlines()[0] in printed:
             assert output in printed, "the README shows what the command printed before"

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def run():
     """A leg of BLEEX in motion."""
-    return study.bleex_run(1, duration=20.0)
+    return study.bleex_run(1, duration=8.0)
 
 
 @pytest.fixture(scope="module")

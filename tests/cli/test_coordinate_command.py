@@ -13,7 +13,7 @@ SHORT = (("rise", 0.05), ("walk", 0.1))
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("plan", "share"), [(SHORT, 0.4), pytest.param(PLAN, 1.0, marks=pytest.mark.nightly)], ids=["short", "whole"]
+    ("plan", "share"), [(SHORT, 0.25), pytest.param(PLAN, 1.0, marks=pytest.mark.nightly)], ids=["short", "whole"]
 )
 def test_a_day_is_told_right(exoid_, tmp_path, monkeypatch, plan, share):
     """A short day follows a calibration that takes a share of its time."""

@@ -59,7 +59,7 @@ def error(recordings, **options):
     return np.abs(estimate.values / swing().truth - 1.0).max()
 
 
-@pytest.mark.parametrize("estimator", ["wls", "ols", "huber"])
+@pytest.mark.parametrize("estimator", ["wls", pytest.param("ols", marks=pytest.mark.nightly), "huber"])
 def test_segments_give_every_parameter_though_the_torque_between_them_is_that_of_a_stance(estimator):
     """Noise-free, 50 N·m of another force outside; the parallel filter does not carry it into the segments."""
     assert error(segmented(stance=50.0), estimator=estimator) < 1e-4

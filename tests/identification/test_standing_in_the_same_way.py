@@ -18,8 +18,8 @@ LATE = 0.012
 @pytest.fixture(scope="module")
 def runs():
     machine = bleex_machine()
-    standing = [single_support(machine, 6.0, standing=foot, seed=1 + foot) for foot in (0, 1)]
-    return [swing(machine, 6.0, seed=3), squats_and_shifts(machine, 6.0, seed=0), *standing]
+    standing = [single_support(machine, 4.5, standing=foot, seed=1 + foot) for foot in (0, 1)]
+    return [swing(machine, 4.5, seed=3), squats_and_shifts(machine, 4.5, seed=0), *standing]
 
 
 def logs(runs, seed):

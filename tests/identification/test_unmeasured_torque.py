@@ -54,7 +54,7 @@ def test_the_estimate_is_that_of_the_other_joints_rows_alone(estimator):
     np.testing.assert_allclose(found.values, expected, rtol=1e-8, atol=1e-10)
 
 
-@pytest.mark.parametrize("estimator", ["wls", "huber", "ols"])
+@pytest.mark.parametrize("estimator", ["wls", "huber", pytest.param("ols", marks=pytest.mark.nightly)])
 def test_intervals_without_a_joints_torque_are_as_true_as_with_it(estimator):
     rms = {}
     for measured in (True, False):

@@ -53,7 +53,7 @@ def test_a_load_is_found_within_a_stride_or_5_s(seed, stride, machine, learning)
 
 
 @pytest.mark.parametrize("fault", study.FAULTS)
-@pytest.mark.parametrize("seed", [1001, 1002])
+@pytest.mark.parametrize("seed", [1001, pytest.param(1002, marks=pytest.mark.nightly)])
 def test_a_sensor_that_fails_is_named_and_moves_no_parameter(seed, fault):
     found = study.spoil(seed, 1.2, "three joints", fault)
     assert found.names == found.right
@@ -91,7 +91,12 @@ def test_a_load_in_the_first_strides_is_found_whatever_the_motion_was():
 
 
 @pytest.mark.parametrize(
-    ("stride", "machine"), [(10.0, "abduction"), *((x, one) for one in study.MACHINES for x in (1.2, 10.0))]
+    ("stride", "machine"),
+    [
+        *((1.2, one) for one in study.MACHINES),
+        (10.0, "abduction"),
+        *(pytest.param(10.0, one, marks=pytest.mark.nightly) for one in ("two joints", "three joints")),
+    ],
 )
 def test_learning_a_leg_is_no_change(stride, machine):
     walker = Walker.of(1000, stride, machine)

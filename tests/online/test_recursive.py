@@ -205,7 +205,7 @@ MISTAKES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_mistakes_of_a_stream_are_named(leg, truth, mistake):
-    q, v, _, tau = swing(leg, truth, 30.0)
+    q, v, _, tau = swing(leg, truth, 20.0)
     time, given = np.arange(len(q)) / RATE, None
     if mistake == "the sign of a torque":
         tau[:, 1] *= -1.0

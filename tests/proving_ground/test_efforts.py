@@ -21,7 +21,7 @@ SEEDS = 0, 14, *(pytest.param(k, marks=pytest.mark.nightly) for k in (2, 22, 36)
 
 @cache
 def log(seed):
-    return simulate(draw(seed), 6.0).recording
+    return simulate(draw(seed), 4.5).recording
 
 
 def findings(seed, recording):

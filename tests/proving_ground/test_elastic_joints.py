@@ -69,7 +69,7 @@ def test_two_encoders_and_the_spring_measure_the_torque():
     assert inside(machine, estimate).all()
 
 
-@pytest.mark.parametrize("seed", [8, 19, 59])
+@pytest.mark.parametrize("seed", [19, *(pytest.param(k, marks=pytest.mark.nightly) for k in (8, 59))])
 def test_a_rigid_machine_has_no_such_finding(seed):
     machine = draw(seed)
     assert not named(exoid.identify(machine.leg(), simulate(machine, 12.0).recording))

@@ -56,7 +56,7 @@ def test_faults_of_one_torque_of_six_are_named():
 def test_no_number_depends_on_the_size_of_a_machine():
     """All masses and torques 2¹⁰ times as large: so are parameters and deviations, and findings are the same."""
     machine = draw(926)
-    log = simulate(machine, 20.0).recording
+    log = simulate(machine, 12.0).recording
     found = exoid.identify(machine.leg(), log)
 
     def larger(bodies: tuple[Body, ...]) -> tuple[Body, ...]:

@@ -1,6 +1,7 @@
 """Intervals that hold where the torque noise has a memory, and estimators that use or survive it."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -42,9 +43,13 @@ def coverage(swing, replicates, share=1.0, **options):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("share", [0.0, 0.8, 1.0], ids=["white", "mix", "AR(1)"])
-@pytest.mark.parametrize("preparation", [EXACT, ZeroPhase()], ids=["exact", "zero-phase"])
-@pytest.mark.parametrize("estimator", ["wls", "huber"])
+@pytest.mark.parametrize(
+    ("estimator", "preparation", "share"),
+    [
+        pytest.param(*case, marks=[] if case[0] == "wls" or case[1:] == (ZeroPhase(), 0.8) else pytest.mark.nightly)
+        for case in itertools.product(("wls", "huber"), (EXACT, ZeroPhase()), (0.0, 0.8, 1.0))
+    ],
+)
 def test_intervals_hold_whatever_the_memory_of_the_noise(swing, estimator, preparation, share):
     """Nominal 95 %; scripts/study_intervals.py does it with 400 replicates."""
     mean, worst = coverage(swing, 25, share, estimator=estimator, preparation=preparation)

@@ -57,9 +57,9 @@ SLOW = [pytest.mark.slow]
     ("terms", "estimator", "preparation"),
     [
         pytest.param(terms, estimator, preparation, id=f"{name}-{estimator}-{preparation.name}", marks=marks)
-        for terms, name in ((TERMS, "whole"), (WITH_GAPS, "with gaps"))
+        for terms, name, later in ((TERMS, "whole", pytest.mark.nightly), (WITH_GAPS, "with gaps", SLOW))
         for estimator in ("wls", "huber")
-        for preparation, marks in ((ZeroPhase(), []), (FiniteDifference(), SLOW), (MovingAverage(), SLOW))
+        for preparation, marks in ((ZeroPhase(), []), (FiniteDifference(), later), (MovingAverage(), later))
     ],
 )
 def test_the_estimate_is_that_of_all_rows_at_once(short_stretches, estimator, terms, preparation):

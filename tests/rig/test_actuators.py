@@ -64,7 +64,7 @@ def test_bandwidth_of_the_servo_is_valve_gain_times_controller_gain():
 @pytest.mark.parametrize(("leakage", "grows"), [(1.3 * KV / KH, False), (0.5 * KV / KH, True), (0.3 * KV / KH, True)])
 def test_the_servo_is_stable_only_if_its_leakage_is_fast_enough(leakage, grows):
     """Routh: J s³ + kh cl J s² + kh s + Kv Kp kh is stable if and only if kh cl > Kv Kp."""
-    run = servo_run(leakage, 3.0)
+    run = servo_run(leakage, 3.0, step=5e-4)
     first, last = (np.abs(run.q[rows]).max() for rows in (slice(60), slice(-60, None)))
     assert (last > 2.0 * first) if grows else (last < 0.3 * first)
 

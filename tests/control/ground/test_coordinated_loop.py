@@ -167,7 +167,7 @@ def test_it_climbs_a_stair_without_hands():
     table.append(Rule(SAFE, "known", "stand"))
     loop, coordinator = loop_of(plant, {}), Coordinator(functions, plant.leg.limits.effort, table, rate=500.0)
     loop = replace(loop, coordinator=coordinator, requests={0.1: names[0]})
-    stand, time = functions["stand"], np.arange(-0.3, 7.0, 0.01)
+    stand, time = functions["stand"], np.arange(-0.3, 6.3, 0.01)
     q = np.tile(joint_angles(plant.leg, stand.flexion[:1]), (len(time), 1))
     motion = GroundMotion(time, q, np.zeros_like(q), np.tile(stand.torso[0], (len(time), 1)))
     run = simulate_on_ground(plant, motion, loop, rates=RATES, sensors=SENSORS, wearer=PASSIVE, seed=3)
@@ -192,7 +192,7 @@ def test_it_climbs_a_stair_without_hands():
 def test_it_rises_and_sits_with_a_hand_on_a_rail(machine, name, start, end, wearer):
     """No contact but the rail is measured; a share that is given belongs to a foot on the ground."""
     loop = loop_of(machine, {0.0: name}, start)
-    run = run_of(machine, loop, name, 0.0, 4.0, wearer)
+    run = run_of(machine, loop, name, 0.0, 3.0, wearer)
     last = loop.decisions[-1]
     assert (last.function, last.level) == (end, "support")
     posture = joint_angles(machine.leg, loop.coordinator.functions[name].flexion[-1:])[0]

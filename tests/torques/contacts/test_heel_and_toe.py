@@ -137,8 +137,8 @@ def test_most_of_a_walk_counts_and_late_switches_do_no_harm(walk):
 
 
 @pytest.mark.slow
-def test_a_walk_tells_the_bias_of_its_imu(walk):
-    leg = exoid.load_exo("bleex", base="floating")
+def test_a_walk_tells_the_bias_of_its_imu():
+    leg, walk = exoid.load_exo("bleex", base="floating"), walking(bleex_machine(), 12.0)
     log = walk.recording(GroundSensors(), 1, wrenches=("torso",))
     log = replace(log, base=replace(log.base, specific_force=np.add(log.base.specific_force, (0.2, 0.0, -0.1))))
     estimate = exoid.identify(leg, log, TERMS, preparation=WALKING, check=False)

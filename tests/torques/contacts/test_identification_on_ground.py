@@ -131,8 +131,12 @@ def wrongly(log, link, value, seed):
 @pytest.mark.parametrize(
     ("kind", "joint", "size"),
     [
-        *(("torque-scale", 1, 1.15), ("torque-scale", 3, 0.9), ("angle-offset", 4, -0.04), ("angle-offset", 0, 0.04)),
-        *(("unmodelled-force", 1, 40.0), ("torque-offset", 0, 2.0), ("torque-offset", 4, -4.0)),
+        *(("torque-scale", 1, 1.15), ("angle-offset", 0, 0.04)),
+        *(("unmodelled-force", 1, 40.0), ("torque-offset", 4, -4.0)),
+        *(
+            pytest.param(*each, marks=pytest.mark.nightly)
+            for each in (("torque-scale", 3, 0.9), ("angle-offset", 4, -0.04), ("torque-offset", 0, 2.0))
+        ),
     ],
 )
 def test_a_fault_of_one_joint_is_named(exo, stance, kind, joint, size):
@@ -184,6 +188,7 @@ def test_bias_of_an_imu_is_found_while_a_foot_rests(exo, stance):
     assert np.sqrt(np.mean(deviations(exo, found) ** 2)) < 1.6
     (first, *_) = [finding for finding in found.findings if finding.kind == "imu-bias"]
     assert first.value == pytest.approx(np.hypot(0.1, 0.15), abs=0.005)
+    assert not [finding for finding in found.findings if finding.kind == "large-residual"]
 
 
 def displaced(log, place, seed):
@@ -258,13 +263,12 @@ def test_a_recording_whose_torques_have_another_scale_is_named(exo, stance, fact
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_recording_that_the_others_contradict_is_named(exo, stance, sign):
+def test_a_recording_that_the_others_contradict_is_named(exo, stance):
     """Its rows lose their weight: no parameter shows it."""
     logs = [with_imu(log, k) for k, log in enumerate(stance)]
-    logs[1] = replace(logs[1], tau=logs[1].tau * np.where(np.arange(6) == 0, sign, 1.0))
+    logs[1] = replace(logs[1], tau=logs[1].tau * [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     told = [one for one in exoid.identify(exo, logs, terms=TERMS).findings if one.kind == "large-residual"]
-    assert [one.joint for one in told] == ["left_hip"] * (sign < 0.0)
+    assert [one.joint for one in told] == ["left_hip"]
 
 
 RIGHT = AIR | {"right_foot": np.ones(3750, dtype=bool)}
