@@ -58,13 +58,12 @@ def test_all_output_that_is_shown_is_tested():
     assert len(COMMANDS) == 6
 
 
-def test_every_parameter_is_in_the_table(data):
+def test_every_parameter_is_in_the_table(estimate):
     text = README.read_text(encoding="utf-8")
-    names = exoid.identify(data.leg, data.train).names
-    for symbol in {name.split("_")[0] for name in names if "_" in name}:
+    for symbol in {name.split("_")[0] for name in estimate.names if "_" in name}:
         assert f"`{symbol}_<joint>`" in text
 
 
-def test_the_parameter_that_is_shown_is_the_one_that_is_identified(data):
-    found = exoid.identify(data.leg, data.train, check=False)["X1"]
+def test_the_parameter_that_is_shown_is_the_one_that_is_identified(estimate):
+    found = estimate["X1"]
     assert f"`X1  {found.value:.4f} ± {found.std:.4f} kg·m`" in README.read_text(encoding="utf-8")

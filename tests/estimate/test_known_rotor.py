@@ -5,6 +5,7 @@ import pytest
 from lxml import etree
 from made_estimates import from_file
 from swings import harmonics, log_of
+from unchecked import identify
 
 import exoid
 from exoid import Armature, Leg
@@ -24,8 +25,8 @@ def motion(joints, samples=40):
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["wls", "huber", "ml", "ols"])
 def test_a_known_rotor_is_subtracted_from_what_it_is_merged_into(data, estimator):
-    without = exoid.identify(data.leg, data.train, estimator=estimator)
-    with_ = exoid.identify(data.leg, data.train, estimator=estimator, known={"Ia_hip": ROTOR})
+    without = identify(data.leg, data.train, estimator=estimator)
+    with_ = identify(data.leg, data.train, estimator=estimator, known={"Ia_hip": ROTOR})
     tolerance = 1e-7 if estimator == "ml" else 1e-12  # which stops when steps are small
     assert [one.name for one in without.regrouped] == ["Ia_hip"]
     assert with_.regrouped == ()

@@ -3,6 +3,7 @@
 import json
 import math
 import tempfile
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -220,15 +221,13 @@ def _spoiled(draw, data):
     return json.dumps(data)
 
 
+@cache
 def _example():
+    """Text of an estimate."""
     data = exoid.datasets.bleex_swing()
-    estimate = exoid.identify(data.leg, data.train)
     with tempfile.TemporaryDirectory() as folder:
-        estimate.save(Path(folder) / "leg.json")
+        exoid.identify(data.leg, data.train).save(Path(folder) / "leg.json")
         return (Path(folder) / "leg.json").read_text(encoding="utf-8")
-
-
-ESTIMATE = _example()
 
 
 @cases(0.08)
@@ -236,7 +235,7 @@ ESTIMATE = _example()
 def test_any_file_of_an_estimate_is_read_or_refused(data):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "leg.json"
-        path.write_text(_spoiled(data.draw, json.loads(ESTIMATE)), encoding="utf-8")
+        path.write_text(_spoiled(data.draw, json.loads(_example())), encoding="utf-8")
         result = outcome(Estimate.load, path)
         if isinstance(result, Estimate):
             assert str(result)

@@ -18,11 +18,6 @@ from exoid.view.report.fit import predict_recording
 from exoid.view.report.page import EmbeddedPage, Page, Picture, Section, Text
 
 
-@pytest.fixture(scope="module")
-def swing(data):
-    return data, exoid.identify(data.leg, data.train)
-
-
 def undrawn_report(*arguments):
     """A report, and its tree, without drawings: its words."""
     with undrawn():
@@ -31,14 +26,12 @@ def undrawn_report(*arguments):
 
 
 @pytest.fixture(scope="module")
-def page(swing):
-    data, estimate = swing
+def page(data, estimate):
     return undrawn_report(estimate, [data.train], [data.test])
 
 
 @pytest.fixture(scope="module")
-def drawn(swing):
-    data, estimate = swing
+def drawn(data, estimate):
     return identification_report(estimate, [data.train], [data.test])
 
 
@@ -52,8 +45,8 @@ def test_the_report_is_a_valid_page_that_loads_nothing(drawn):
 
 
 @pytest.mark.slow
-def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_value(page, swing):
-    (_, tree), (_, estimate) = page, swing
+def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_value(page, estimate):
+    _, tree = page
     rows = {row[0].text: [cell.text for cell in row[1:]] for row in tree.find(".//table").iter("tr")}
     for name, value, bounds in zip(estimate.names, estimate.values, estimate.interval(), strict=True):
         numbers = [float(cell) for cell in (rows[name][0], *rows[name][2:4])]
@@ -65,8 +58,7 @@ def test_every_parameter_stands_in_the_table_with_its_interval_and_the_urdfs_val
 
 
 @pytest.mark.slow
-def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recording(page, swing):
-    data, estimate = swing
+def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recording(page, data, estimate):
     nrmse = exoid.validate(estimate, data.test).nrmse
     said = " ".join(page[0].summary)
     assert f"{estimate.identifiability.count('well')} well identified" in said
@@ -74,10 +66,10 @@ def test_the_summary_counts_parameters_and_gives_the_error_on_a_held_out_recordi
 
 
 @pytest.fixture(scope="module")
-def short(swing):
+def short(data):
     """Too short a recording for too many parameters, its estimate, and the page's text."""
-    part = swing[0].train.slice(0, 700)
-    estimate = exoid.identify(swing[0].leg, part, (*exoid.torques.DEFAULT_TERMS, exoid.Stiffness()))
+    part = data.train.slice(0, 700)
+    estimate = exoid.identify(data.leg, part, (*exoid.torques.DEFAULT_TERMS, exoid.Stiffness()))
     return part, estimate, text_of(undrawn_report(estimate, [part])[1])
 
 
@@ -128,8 +120,7 @@ def test_a_sentence_keeps_the_names_that_it_begins_with():
     ]
 
 
-def test_inertias_that_no_export_writes_are_noted(data):
-    estimate = exoid.identify(data.leg, data.train, check=False)
+def test_inertias_that_no_export_writes_are_noted(estimate):
     assert scene(estimate).notes == ()
     (note,) = scene(replace(estimate, values=20.0 * estimate.values)).notes
     assert "beyond a factor of 5" in note

@@ -212,11 +212,11 @@ def test_scenes_that_cannot_be_drawn_are_refused():
             call()
 
 
-def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, data):
+def test_without_the_viewer_a_scene_names_the_extra_and_a_report_goes_without(monkeypatch, data, estimate):
     monkeypatch.setattr("exoid.view.scenes.page.find_spec", lambda name: None)
     viewer_file.cache_clear()
     for call in (scene(data.leg).html, lambda: scene(data.leg).serve(0)):
         with pytest.raises(NotSupportedError, match=r"pip install 'meshcat"):
             call()
-    (left_out,) = _replay(exoid.identify(data.leg, data.train), data.test)
+    (left_out,) = _replay(estimate, data.test)
     assert "the viewer (meshcat) is not installed" in left_out.lines[0]

@@ -9,7 +9,6 @@ from logs import clean, kinds
 from swings import late
 
 import exoid
-from exoid.signals.datasets import bleex_swing
 from exoid.torques import Presliding
 
 
@@ -20,16 +19,13 @@ def test_a_log_without_faults_has_no_findings(name, seed):
 
 
 @pytest.mark.parametrize("known", [("J3",), ("X1", "X2", "X3", "J1", "J2", "J3")])
-def test_nor_has_one_of_a_leg_with_known_parameters(known):
-    data = bleex_swing()
-    right = exoid.identify(data.leg, data.train)
-    assert exoid.identify(data.leg, data.train, known={name: right[name].value for name in known}).findings == ()
+def test_nor_has_one_of_a_leg_with_known_parameters(known, data, estimate):
+    values = {name: estimate[name].value for name in known}
+    assert exoid.identify(data.leg, data.train, known=values).findings == ()
 
 
-def test_nor_has_the_example_of_a_leg_that_sticks():
-    data = bleex_swing()
+def test_nor_has_the_example_of_a_leg_that_sticks(data, estimate):
     assert exoid.check(data.leg, data.train) == ()
-    estimate = exoid.identify(data.leg, data.train)
     assert estimate.findings == ()
     assert set(estimate.identifiability) == {"well"}
 
