@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -13,7 +14,8 @@ from exoid.errors import NotSupportedError
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.leg import Leg
 from exoid.leg.reduction.planar import GRAVITY
-from exoid.regression.every_row import make_rows
+from exoid.regression.every_row import each_row, make_rows
+from exoid.regression.rows import chain, prepare
 from exoid.signals import Preparation, Recording
 from exoid.signals.moving_base import base_during
 from exoid.torques.contacts import split
@@ -25,6 +27,7 @@ from exoid.torques.contacts.support_model import LOOP, SupportModel
 
 from .compared import Compared, wrench_variance
 from .data import EstimateData
+from .evidence import MotionRanges
 from .model_error import parameter_variance
 
 FORCE = 0.2  # standard deviation of the bias of a sensor that no foot told [m/s²]
@@ -42,13 +45,16 @@ def compare_on_ground(
     bandwidth: float,
     *,
     unknown_wrenches: bool = True,
-) -> Compared:
-    """Predict the torques of a recording with contacts."""
+) -> tuple[Compared, MotionRanges]:
+    """Predict the torques of a recording with contacts, and tell the ranges of its motion."""
     # Where one link rests by an unknown wrench, the base hangs on it, and each joint has a torque. Where
     # several do, only the part Z Zᵀ τ can be predicted, on which no force of the ground does work: that is
     # compared.
     leg = estimate.model.leg
-    stretches = find_ground(estimate, split(leg, estimate.model.select(recording), preparation)).stretches
+    # where wrenches are measured throughout, a torque of a wearer would pass for a lean
+    parts = split(leg, estimate.model.select(recording), preparation)
+    ground = find_ground(estimate, parts, measured=unknown_wrenches)
+    stretches = ground.stretches
     if not unknown_wrenches:
         resting = {link for stretch in stretches for link in stretch.links} - {leg.description.root_link}
         stretches = tuple(each for each in stretches if not {*each.links} & resting)
@@ -58,7 +64,8 @@ def compare_on_ground(
                 where=recording.file_name,
                 remedy=f"record the wrenches (columns wrench_{min(resting)}_fx to _mz), or the leg in the air",
             )
-    return in_time_order([_compare(estimate, stretch, preparation, bandwidth) for stretch in stretches])
+    found = [_compare(estimate, ground, stretch, preparation, bandwidth) for stretch in stretches]
+    return in_time_order([one for one, _ in found]), reduce(MotionRanges.joined, (ranges for _, ranges in found))
 
 
 class Ground(NamedTuple):
@@ -79,11 +86,12 @@ class Ground(NamedTuple):
         return replace(recording, base=base)
 
 
-def find_ground(estimate: EstimateData, parts: Split) -> Ground:
+def find_ground(estimate: EstimateData, parts: Split, *, measured: bool = False) -> Ground:
     """Find how the ground under a recording leans, or the bias of its sensor, from its torques."""
     # τ − W β = −D c + noise, D by differences, c ~ N(0, σ²), gives c and what β leaves open of it. How pieces of the
     # recording differ tells how a foot rocks, and how far the mean of c is off.
-    leg, stretches, base = estimate.model.leg, parts.stretches, parts.stretches[0].recording.base
+    leg, preparation = estimate.model.leg, estimate.preparation
+    stretches, base = parts.stretches, parts.stretches[0].recording.base
     stands, spatial = isinstance(base, StandingBase), leg.base_rows == 6
     if stands:
         directions, size = (np.eye(3)[:2] if spatial else leg.plane.lateral[np.newaxis]), TILT
@@ -99,12 +107,17 @@ def find_ground(estimate: EstimateData, parts: Split) -> Ground:
         found = []
         for stretch in stretches:
             recording = stretch.recording
-            if not stretch.links or recording.tau is None or not recording.measured.all():
+            if not (stretch.links or measured) or recording.tau is None or not recording.measured.all():
                 continue
             support = SupportModel.of(estimate.model, stretch.links, recording.q[recording.mask])
             steps = values + size * np.vstack([np.zeros(count), np.eye(count)])
-            rows = [make_rows(support, ground.under(leg, recording, step), estimate.preparation) for step in steps]
-            weights = np.maximum(_noise(estimate, support.row_names), 1e-18) ** -0.5  # logs may have no noise
+            rows = [make_rows(support, ground.under(leg, recording, step), preparation) for step in steps]
+            noise = _of_rows(estimate.residual_variance, estimate.joint_names, support.row_names)
+            q = recording.q[recording.mask]
+            noise = noise + wrench_variance(estimate, recording, preparation, q, stretch.links, support.axes).mean(
+                axis=0
+            )
+            weights = np.maximum(noise, 1e-18) ** -0.5  # logs may have no noise
             left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
             D = np.stack([left - each for each in moved], axis=-1) / size
             starts = np.flatnonzero(np.diff(np.floor(rows[0].time / PIECE), prepend=np.nan))
@@ -129,16 +142,28 @@ def in_time_order(parts: Sequence[T]) -> T:
     return type(parts[0])(*(np.concatenate(arrays)[order] for arrays in zip(*parts, strict=True)))
 
 
-def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation, bandwidth: float) -> Compared:
+def _compare(
+    estimate: EstimateData, ground: Ground, stretch: Stretch, preparation: Preparation, bandwidth: float
+) -> tuple[Compared, MotionRanges]:
     """Predict the torques while the same links rest."""
-    links, recording = stretch.links, stretch.recording
-    support = SupportModel.of(estimate.model, links, recording.q[recording.mask])
-    axes, rows = support.axes, make_rows(support, recording, preparation)
+    links, recording, values = stretch.links, stretch.recording, estimate.values
+    bare, support = (
+        SupportModel.of(model, links, recording.q[recording.mask]) for model in (estimate.model, estimate.band_model)
+    )
+    axes, prepared = support.axes, prepare(support, recording, preparation, every=True)
+    rows = chain(list(each_row(support, prepared)))
     known = np.zeros_like(rows.tau) if rows.known is None else rows.known
-    measured, predicted = rows.tau + known, rows.W @ estimate.values + known
+    W = rows.W[..., : len(values)]
+    measured, predicted = rows.tau + known, W @ values + known
     at = np.searchsorted(recording.time, rows.time)
     q = recording.q[at]
-    variance = parameter_variance(estimate.covariance, rows.W) + bandwidth * _noise(estimate, support.row_names)
+    variance = parameter_variance(estimate.covariance, W)
+    variance += bandwidth * _of_rows(estimate.noise_variance, estimate.joint_names, support.row_names)
+    if estimate.model_error is not None:
+        variance += estimate.model_error.variance(rows.W)
+    for step in np.linalg.cholesky(ground.covariance).T:  # what is not known of the ground, direction by direction
+        moved = make_rows(bare, ground.under(bare.leg, recording, step), preparation)
+        variance += (moved.tau - moved.W @ values + predicted - measured) ** 2
     variance = variance + wrench_variance(estimate, recording, preparation, q, links, axes)
     if axes is not None:
         base = base_during(recording, preparation)
@@ -149,11 +174,11 @@ def _compare(estimate: EstimateData, stretch: Stretch, preparation: Preparation,
         measured, predicted, known = parts
         variance = np.einsum("njr,nr->nj", loop**2, variance)
     joints = slice(measured.shape[1] - len(estimate.joint_names), None)  # rows of the base stand before them, if any
-    return Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
+    compared = Compared(rows.time, *(part[:, joints] for part in (measured, predicted, variance, known)))
+    return compared, MotionRanges.of(prepared.motion, prepared.inside)
 
 
-def _noise(estimate: EstimateData, row_names: tuple[str, ...]) -> FloatArray:
-    """Variance of the noise of each row: that of its joint, or of closed chains the mean of all joints, (R,)."""
-    of_joints = dict(zip(estimate.joint_names, estimate.residual_variance.tolist(), strict=True))
-    whole = float(estimate.residual_variance.mean())
-    return np.array([whole if name.startswith(LOOP) else of_joints.get(name, 0.0) for name in row_names])
+def _of_rows(of_joints: FloatArray, joints: Sequence[str], rows: Sequence[str]) -> FloatArray:
+    """Variance of each row: that of its joint, of closed chains the mean of all, of a base unknown, (R,)."""
+    known, whole = dict(zip(joints, of_joints.tolist(), strict=True)), float(of_joints.mean())
+    return np.array([whole if name.startswith(LOOP) else known.get(name, np.inf) for name in rows])

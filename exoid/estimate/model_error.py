@@ -64,11 +64,12 @@ class AlternativeFriction:
         return [(j, Presliding(radian * x)) for j, radian in enumerate(self.radian.tolist()) for x in LENGTHS]
 
     def fill(self, motion: Motion, columns: FloatArray, out: FloatArray) -> None:
-        """Write the columns."""
+        """Write the columns, of a floating base in the rows of its joints."""
         load = np.tensordot(self.rigid, columns[: len(self.rigid)], axes=1)
         if motion.payload is not None:
             load += motion.payload.T
-        for j, of_joint in enumerate(np.moveaxis(out, 1, 0)):
+        load = load[-len(self.speed) :]
+        for j, of_joint in enumerate(np.moveaxis(out, 1, 0)[-len(self.speed) :]):
             v, smoothing = motion.v[:, j], SIGN_WIDTH * self.radian[j]
             sign, slow = np.tanh(v / smoothing), max(self.speed[j], smoothing)
             of_joint[:] = (
@@ -113,11 +114,16 @@ class ModelError:
         """Compute the second moment of the error of torques, ‖w A + z B‖².
 
         Args:
-            rows: Rows w of the model and z of the alternatives, filtered or not, (N, n, P + K).
+            rows: Rows w of the model and z of the alternatives, filtered or not, (N, n, P + K); on the ground, where
+                rows may combine joints, R rows with the alternatives of all joints, (N, R, P + n K).
 
         Returns:
-            Second moment [N²·m²], (N, n).
+            Second moment [N²·m²], (N, n) or (N, R).
         """
-        count = len(self.parameters)
-        moved = rows[..., :count] @ self.parameters + np.einsum("njk,jkr->njr", rows[..., count:], self.alternatives)
-        return np.asarray((moved**2).sum(axis=-1))
+        w, z = np.split(rows, [len(self.parameters)], axis=-1)
+        joints, count, rank = self.alternatives.shape
+        if z.shape[-1] == joints * count:
+            other = z @ self.alternatives.reshape(-1, rank)
+        else:
+            other = np.einsum("njk,jkr->njr", z, self.alternatives)
+        return np.asarray(((w @ self.parameters + other) ** 2).sum(axis=-1))

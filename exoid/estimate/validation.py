@@ -235,10 +235,10 @@ def _validate_one(
 ) -> Validation:
     """Predict the torque of one recording, in which something was found already."""
     data, preparation = estimate.model.select(recording), chosen.preparation
-    rate, ranges = data.sample_rate, None
+    rate = data.sample_rate
     bandwidth = preparation.independent_fraction(rate) / estimate.preparation.independent_fraction(rate)
     if stands(estimate.model.leg, recording):
-        compared = compare_on_ground(estimate, recording, preparation, bandwidth)
+        compared, ranges = compare_on_ground(estimate, recording, preparation, bandwidth)
     else:
         prepared = prepare(estimate.band_model, data, preparation, every=True)
         parts = (part for _, part in compare_rows(estimate, prepared, data, preparation, bandwidth))
@@ -258,12 +258,11 @@ def _validate_one(
 
 
 def _findings(
-    estimate: EstimateData, alone: Validation, data: Recording, ranges: MotionRanges | None, bandwidth: float
+    estimate: EstimateData, alone: Validation, data: Recording, ranges: MotionRanges, bandwidth: float
 ) -> Iterator[Finding]:
-    """Judge the prediction of one recording; ranges of its motion are None on the ground."""
+    """Judge the prediction of one recording with such ranges of its motion."""
     preparation, residual_rms = alone.filter.preparation, alone.rmse
-    if ranges is not None:
-        yield from extrapolations(estimate, ranges)
+    yield from extrapolations(estimate, ranges)
     growth = np.ones_like(residual_rms)
     if alone.filter.comparable:
         # White noise of force plates is no growth of the residual.

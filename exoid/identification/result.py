@@ -41,7 +41,7 @@ from .estimators import Estimator
 from .estimators.by_name import name_of
 from .findings.checkup import check_fit
 from .findings.physics import impossible_leg, mass_scale, unbalanced, with_negative
-from .friction_form import friction_form_error
+from .friction_form import doubt_in_the_air, doubt_on_ground
 from .ground_faults import unlike_logs
 from .group_rows import Group
 from .groups import shared_agreement
@@ -167,12 +167,13 @@ class Result:
         if problem.groups[parts[0]].links is None:
             leg = fitted_leg(fitted, parts[0], estimate.covariance)
             checkup = check_fit(leg)
-            error = friction_form_error(leg, checkup, estimate.residual_rms, estimate.noise)
+            doubt = doubt_in_the_air(leg, checkup, estimate.residual_rms, estimate.noise)
             evidence = replace(estimate.evidence, ranges=checkup.ranges, torque_spread=checkup.torque_spread)
             rows = problem.groups[parts[0]]
             passive = unbalanced(rows.model, rows.by_row, fitted.fit.solution.values[problem.places[parts[0]]])
             apart = logs_apart(rows, fitted.values(parts[0]))
             findings = ordered((*estimate.findings, *checkup.findings, *passive, *apart))
+            error = None if doubt is None else doubt.model_error()
             return replace(estimate, findings=findings, model_error=error, evidence=evidence)
         values, groups = estimate.values, self._ordinary(parts)
         found = [*torque_findings(fitted, parts), *mass_scale(estimate.model.leg, values, estimate.names)]
@@ -182,7 +183,10 @@ class Result:
         resting = [(one.model.links, one.motions) for one in groups if isinstance(one.model, SupportModel)]
         stretches = [Stretch(links, (), recording) for links, motions in resting for recording in motions]
         found += cone_findings(estimate, stretches)
-        return replace(estimate, findings=ordered((*estimate.findings, *found)))
+        doubt, ranges = doubt_on_ground(fitted, parts, self.noise)
+        found += doubt.findings(estimate.joint_names, estimate.names, 2.0 * estimate.std)
+        findings, evidence = ordered((*estimate.findings, *found)), replace(estimate.evidence, ranges=ranges)
+        return replace(estimate, findings=findings, model_error=doubt.model_error(), evidence=evidence)
 
     def _ordinary(self, parts: Sequence[int]) -> list[Group]:
         """Groups of rows but those that force plates add: differences of large torques, which no parameter explains."""

@@ -32,7 +32,7 @@ class Evaluation(NamedTuple):
     variance: FloatArray
     noise: FloatArray  # part of it that is noise of the measurement [N²·m²], (n,)
     friction: FloatArray  # part of the predicted torque that is friction [N·m], (N, n); zero on the ground
-    ranges: MotionRanges | None = None  # ranges of the motion; None for a leg on the ground
+    ranges: MotionRanges  # ranges of the motion
     # [W τ]ᵀ [W τ] with the columns W of the leg's bodies and rows over their noise, (p + 1, p + 1); None on the ground
     bodies: FloatArray | None = None
 
@@ -40,9 +40,10 @@ class Evaluation(NamedTuple):
 def evaluate(estimate: EstimateData, recording: Recording, preparation: Preparation, bandwidth: float) -> Evaluation:
     """Compute τ_w = W β − τ, both sides filtered alike, block by block."""
     if stands(estimate.model.leg, recording):
-        compared = compare_on_ground(estimate, recording, preparation, bandwidth, unknown_wrenches=False)
+        compared, ranges = compare_on_ground(estimate, recording, preparation, bandwidth, unknown_wrenches=False)
         torque, variance = compared.predicted - compared.measured, compared.variance
-        return Evaluation(compared.time, torque, compared.predicted, variance, variance.min(axis=0), 0.0 * torque)
+        noise, friction = variance.min(axis=0), 0.0 * torque
+        return Evaluation(compared.time, torque, compared.predicted, variance, noise, friction, ranges)
     leg, rubbing = len(estimate.model.leg.parameter_names), np.flatnonzero(estimate.model.friction)
     name, prepared = recording.file_name, prepare(estimate.band_model, recording, preparation, every=True)
     each = compare_rows(estimate, prepared, recording, preparation, bandwidth)

@@ -287,7 +287,7 @@ def interaction(
     findings = [
         *channel_findings(recording),
         *changed,
-        *([] if found.ranges is None else extrapolations(estimate, found.ranges)),
+        *extrapolations(estimate, found.ranges),
         *unmeasured_torques(estimate, measured),
         *too_few_samples(estimate, evidence),
         *rough_estimate(estimate, found.predicted),

@@ -36,7 +36,7 @@ class SupportModel(TorqueModel):
     @classmethod
     def of(cls, model: TorqueModel, links: Sequence[str], q: FloatArray, *, plates: bool = False) -> SupportModel:
         """Let links of a model rest on the ground, at poses for which the reference of closed chains is chosen."""
-        rest = (model.leg, model.terms, model.rigid, model.regrouped, model.separate)
+        rest = (model.leg, model.terms, model.rigid, model.regrouped, model.separate, model.extras)
         axes = reference_axes(model.leg, links, q) if links else None
         return cls(*rest, links=tuple(links), axes=axes, plates=plates)
 
@@ -64,7 +64,7 @@ class SupportModel(TorqueModel):
         """Which parameters can act on which row, (R, P)."""
         q, v, a = random_motion(10, len(self.leg.joint_names), self.leg.closure)
         base = None if self.leg.base == "fixed" else random_base(10)
-        return np.asarray(self.columns(self.motion(q, v, a, base))[: len(self.names)].any(axis=2).T)
+        return np.asarray(self.columns(self.motion(q, v, a, base)).any(axis=2).T)
 
     @property
     def _without_flat(self) -> bool:
@@ -76,8 +76,17 @@ class SupportModel(TorqueModel):
         return np.ascontiguousarray(self._reduced(payload.T[np.newaxis], q, base)[0].T)
 
     def columns(self, motion: Motion) -> FloatArray:
-        """Form the columns of all parameters for a motion, or for some rows of one."""
-        return self._reduced(super().columns(motion), motion.q, motion.torso)
+        """Form the columns of all parameters for a motion, and of extras for each joint alone: (P + n K, R, N)."""
+        # payloads are torque of the rows that are left, and load no joint of the others
+        whole = motion._replace(payload=None) if self.links else motion
+        columns, extras = np.split(super().columns(whole), [len(self.names)])
+        if len(extras):
+            joints = len(self.leg.joint_names)
+            apart = np.zeros((joints, *extras.shape))
+            for joint, row in enumerate(range(-joints, 0)):
+                apart[joint, :, row] = extras[:, row]
+            columns = np.concatenate([columns, apart.reshape(-1, *extras.shape[1:])])
+        return self._reduced(columns, motion.q, motion.torso)
 
     def row_torque(self, tau: FloatArray, motion: Motion, wrenches: Mapping[str, Wrench]) -> FloatArray:
         """Form the measured side of the equation."""
