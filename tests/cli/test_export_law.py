@@ -27,11 +27,6 @@ from exoid.torques import TorqueModel
 IN_C = [name for name in LAWS if name != "self_tuning"]
 
 
-@pytest.fixture(scope="module")
-def estimate(data):
-    return exoid.identify(data.leg, data.train, check=False)
-
-
 def gait_of(estimate):
     return gait_for_leg(estimate.leg, healthy_gait(0.8, 10.0))
 

@@ -117,10 +117,10 @@ ALL = [
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, data, estimate):
     """Estimates of both legs, and logs."""
-    path, data = tmp_path_factory.mktemp("files"), exoid.datasets.bleex_swing()
-    exoid.identify(data.leg, data.train, check=False).save(path / "est.json")
+    path = tmp_path_factory.mktemp("files")
+    estimate.save(path / "est.json")
     exact_estimate().save(path / "cuhk.json")
     (path / "leg.urdf").write_text(data.leg.description.text, encoding="utf-8")
     (path / "one.urdf").write_text(data.leg.description.text.replace("revolute", "fixed"), encoding="utf-8")

@@ -11,7 +11,7 @@ import numpy as np
 import one_joint
 import pytest
 from arms import Arm
-from swings import holds
+from swings import harmonics, holds
 from unchecked import identify
 
 import exoid
@@ -67,12 +67,8 @@ def test_a_torque_of_wrong_sign_is_named_where_no_parameter_is_positive_by_natur
 def test_a_motion_that_excites_too_little_is_refused_with_the_parameters_concerned(arm):
     """All joints follow one sine: rank is missing."""
     time, q, _, _ = arm.motion(TRAIN)
-    sine = np.sin(2.0 * np.pi * 0.2 * time)[:, None]
-    wave = q.mean(axis=0) + 0.2 * sine
-    v, a = (
-        0.2 * 0.4 * np.pi * np.cos(0.4 * np.pi * time)[:, None] + 0.0 * q,
-        -((0.4 * np.pi) ** 2) * 0.2 * sine + 0.0 * q,
-    )
+    sine, v, a = harmonics(time, 0.2, 0.4 * np.pi, np.zeros((q.shape[1], 1)))
+    wave = q.mean(axis=0) + sine
     tau = arm.torque(wave, v, a) + arm.noise_of(3)
     recording = exoid.Recording(time=time, q=wave, tau=tau, joint_names=arm.leg.joint_names)
     with pytest.raises(ExoidError, match="do not determine") as caught:
@@ -112,8 +108,7 @@ def test_speeds_of_a_slide_are_small(tmp_path):
     path = tmp_path / "slide.urdf"
     path.write_text(one_joint.URDF.replace("revolute", "prismatic").replace("0 1 0", "1 0 0"), encoding="utf-8")
     leg, time = exoid.Leg.from_urdf(path), np.arange(4000) / 100.0
-    v = np.column_stack([0.03 * np.cos(2.0 * time) + 0.02 * np.cos(5.1 * time)])
-    q = np.column_stack([0.015 * np.sin(2.0 * time) + 0.02 / 5.1 * np.sin(5.1 * time)])
+    q, v, _ = harmonics(time, np.array([0.015, 0.02 / 5.1]), np.array([2.0, 5.1]), np.zeros((1, 2)))
     tau = 14.0 * np.tanh(v / 5e-4) + 20.0 * v + np.random.default_rng(0).normal(0.0, 0.1, v.shape)
     log = exoid.Recording(time=time, q=q, tau=tau, joint_names=leg.joint_names)
     plain, by_hand = (exoid.identify(leg, log, terms) for terms in (None, (exoid.Coulomb(), exoid.Viscous())))

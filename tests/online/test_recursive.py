@@ -327,7 +327,7 @@ def test_a_continuous_joint_may_turn_many_times(leg, truth):
 
 
 def test_stamps_that_say_another_rate_are_named_and_those_in_bursts_are_not(leg, truth):
-    q, _, _, tau = swing(leg, truth, 30.0)
+    q, _, _, tau = swing(leg, truth, 15.0)
     time, number = np.arange(len(q)) / RATE, np.arange(len(q)) % 400 - 200
     bursts = time + np.where(
         (number >= 0) & (number < 10), (10 - number) * 0.95 / RATE, 0.0

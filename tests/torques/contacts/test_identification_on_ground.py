@@ -60,7 +60,7 @@ def test_the_estimate_survives_a_file(estimate, tmp_path):
     assert 0.5 * recorded < sum(one.seconds for one in estimate.supports) <= recorded
 
 
-@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("first", [pytest.param(0, marks=pytest.mark.nightly), 1])
 def test_the_order_of_logs_changes_neither_cut_off_nor_bands(exo, stance, first):
     """Also where each foot alone rests for the same time."""
     data = [log.recording for log in stance[first:]]
