@@ -14,7 +14,7 @@ from swings import harmonics
 import exoid
 from exoid.errors import BadArgumentError, NotIdentifiableError, UnreadableInputError
 from exoid.estimate import ground_forces
-from exoid.experiments.excitation import assess
+from exoid.experiments.excitation import MotionLimits, assess
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.link_frames import ball_radius
 from exoid.torques.contacts import level_rotation
@@ -158,12 +158,13 @@ def test_what_a_log_on_point_feet_determines_is_predicted():
     leg = quadruped()
     log, _ = walk(leg, 20.0, np.random.default_rng(1002), noise=0.01)
     std = 0.01 * log.tau.std(axis=0)
-    said = assess(leg, log, (), noise=std).precision
+    limits = MotionLimits.of(leg, angles_deg=dict.fromkeys(leg.joint_names, (-90.0, 90.0)))  # the URDF has none
+    said = assess(leg, log, (), noise=std, limits=limits).precision
     assert said.duration == pytest.approx(20.0, rel=0.2)  # less what is left out beside changes
     estimate = exoid.identify(leg, log, terms=(), check=False)
     assert np.median(said.std / estimate.std) == pytest.approx(1.0, abs=0.25)
     down = dict.fromkeys(FEET, np.ones(len(log), dtype=bool))
-    always = assess(leg, replace(log, contacts=down), (), noise=std)
+    always = assess(leg, replace(log, contacts=down), (), noise=std, limits=limits)
     with pytest.raises(NotIdentifiableError) as refused:
         exoid.identify(leg, replace(log, contacts=down), terms=(), check=False)
     grades = zip(leg.parameter_names, always.precision.identifiability, strict=True)
