@@ -124,7 +124,7 @@ def distances(estimators, std, share=1.0):
     variance 2/P. Any unbiased one has a mean of tr(I cov e)/P ≥ 1, which no trade between parameters can hide.
     """
     noises, replicates = (Noise("white", std),), 300 if FULL else 40
-    smooth = (Coulomb(), *DEFAULT_TERMS[1:])  # takes friction at reversals for known, as the bound does
+    smooth = (Coulomb(reversal_speed=0.0), *DEFAULT_TERMS[1:])  # friction at reversals is fitted, as the bound has it
     whole = study(terms=smooth, noises=noises, replicates=replicates, chunk=20, estimators=estimators, cutoff=20.0)
     (motion,) = whole.protocols
     what = replace(whole, protocols=(replace(motion, seconds=share * motion.seconds),))
