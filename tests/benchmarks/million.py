@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 from long_logs import long_log, truth
+from turns import looped
 
 import exoid
 
@@ -22,20 +22,11 @@ SMOOTH = (exoid.Coulomb(smoothing=0.015), exoid.Viscous(), exoid.Armature(), exo
 """Terms without the projection of reversals, which the default terms have."""
 
 
-def looped(leg: exoid.Leg, samples: int, out: np.ndarray | None = None) -> float:
-    """Seconds that a plain Python loop over Pinocchio's regressor takes for so many samples.
-
-    Args:
-        leg: The leg.
-        samples: How many.
-        out: Receives the regressor of those it is timed over; None to throw it away.
-    """
-    data, motion = leg.model.createData(), np.random.default_rng(0).standard_normal((3, LOOPED, len(leg.joint_names)))
+def of_loop(leg: exoid.Leg, samples: int, out: np.ndarray | None = None) -> float:
+    """Seconds that a plain Python loop over Pinocchio's regressor takes for so many samples, kept or thrown away."""
+    motion = np.random.default_rng(0).standard_normal((3, LOOPED, len(leg.joint_names)))
     start = time.process_time()
-    for k, (q, v, a) in enumerate(zip(*motion, strict=True)):
-        found = pin.computeJointTorqueRegressor(leg.model, data, q, v, a)
-        if out is not None:
-            out[k] = found
+    looped(leg.model, motion, out)
     return (time.process_time() - start) * samples / LOOPED
 
 
@@ -53,13 +44,13 @@ def main(samples: int, terms: tuple[exoid.torques.Term, ...] | None) -> None:
     out = np.full((LOOPED, len(leg.joint_names), 10 * len(leg.joint_names)), np.nan)
     before = memory("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
-    loops, stored, seconds = [looped(leg, samples)], [], []
+    loops, stored, seconds = [of_loop(leg, samples)], [], []
     for _ in range(2):
         start = time.process_time()
         estimate = exoid.identify(leg, log, terms, check=False)
         seconds.append(time.process_time() - start)
-        loops.append(looped(leg, samples))
-        stored.append(looped(leg, samples, out))
+        loops.append(of_loop(leg, samples))
+        stored.append(of_loop(leg, samples, out))
     print(
         json.dumps(
             {

@@ -11,11 +11,10 @@ import subprocess
 import sys
 
 import numpy as np
-import pinocchio as pin
 from arms import Arm
 from long_logs import long_log
 from public_robots import urdf_of
-from turns import best_of_turns, show
+from turns import best_of_turns, looped, show
 
 import exoid
 
@@ -33,10 +32,8 @@ V, A = np.gradient(LOG.q, LOG.time, axis=0), np.gradient(np.gradient(LOG.q, LOG.
 
 def loop() -> np.ndarray:
     """Pinocchio's regressor sample by sample, then the columns of the default terms, (3 N, 42)."""
-    model, data = LEG.model, LEG.model.createData()
     out, joints = np.zeros((SAMPLES, 3, 42)), np.arange(3)
-    for i, (q, v, a) in enumerate(zip(LOG.q, V, A, strict=True)):
-        out[i, :, :30] = pin.computeJointTorqueRegressor(model, data, q, v, a)
+    looped(LEG.model, (LOG.q, V, A), out[..., :30])
     for k, column in enumerate((np.tanh(V / 0.015), V, A, 1.0)):
         out[:, joints, 30 + 3 * k + joints] = column
     return out.reshape(-1, 42)
@@ -44,7 +41,7 @@ def loop() -> np.ndarray:
 
 def test_identification_by_default_settings_against_the_loop_and_lstsq():
     rows, tau = loop(), LOG.tau.ravel()
-    checked, bare, looped, solved = works = {
+    checked, bare, by_loop, solved = works = {
         "exoid.identify(leg, log)": lambda: exoid.identify(LEG, LOG),
         "exoid.identify(leg, log, check=False)": lambda: exoid.identify(LEG, LOG, check=False),
         "loop over Pinocchio's regressor, stored": loop,
@@ -52,7 +49,7 @@ def test_identification_by_default_settings_against_the_loop_and_lstsq():
     }
     best = best_of_turns(works, ROUNDS)
     show(f"Identification of {SAMPLES:,} samples by default settings", best, checked)
-    ratios = {ours: (best[looped] + best[solved]) / best[ours] for ours in (checked, bare)}
+    ratios = {ours: (best[by_loop] + best[solved]) / best[ours] for ours in (checked, bare)}
     print("  loop + lstsq: " + ", ".join(f"{ratio:.2f} × {ours}" for ours, ratio in ratios.items()))
     assert ratios[checked] >= WITH_CHECKS
     assert ratios[bare] >= WITHOUT

@@ -8,9 +8,8 @@ beyond (a model of the noise, diagnostics, a hash of the data) has no counterpar
 from functools import cache
 
 import numpy as np
-import pinocchio as pin
 from swings import harmonics
-from turns import best_of_turns, show, with_memory
+from turns import best_of_turns, looped, show, with_memory
 
 import exoid
 from exoid import Coulomb, Recording, Viscous
@@ -59,10 +58,8 @@ def whole() -> exoid.Estimate:
 
 def loop() -> np.ndarray:
     """Pinocchio's regressor sample by sample, with the columns of friction, (N, 3, 36)."""
-    log, model, data = recording(), LEG.model, LEG.model.createData()
-    out, joints = np.zeros((SAMPLES, 3, 36)), np.arange(3)
-    for i, (q, v, a) in enumerate(zip(log.q, log.v, log.a, strict=True)):
-        out[i, :, :30] = pin.computeJointTorqueRegressor(model, data, q, v, a)
+    log, out, joints = recording(), np.zeros((SAMPLES, 3, 36)), np.arange(3)
+    looped(LEG.model, (log.q, log.v, log.a), out[..., :30])
     out[:, joints, 30 + joints], out[:, joints, 33 + joints] = np.tanh(log.v / TERMS[0].smoothing), log.v
     return out
 
@@ -104,13 +101,13 @@ def test_least_squares_is_many_times_as_fast_as_the_loop_and_lstsq():
         "numpy.linalg.lstsq, 36 columns": lambda: np.linalg.lstsq(standard(), torques()),
         "numpy.linalg.lstsq, 15 columns": lambda: np.linalg.lstsq(documented(), torques()),
     }
-    _, identify, looped, wide, narrow = works
+    _, identify, by_loop, wide, narrow = works
     best = best_of_turns(works, ROUNDS)
     show(f"Least squares from {SAMPLES:,} samples, three segments, 15 parameters", best, OURS)
     for name, columns in (("36 columns", wide), ("15 columns, reduced for nothing", narrow)):
-        baseline = best[looped] + best[columns]
+        baseline = best[by_loop] + best[columns]
         print(f"  loop + lstsq, {name}: {baseline / best[OURS]:.1f} × ours, {baseline / best[identify]:.2f} × identify")
-    baseline = best[looped] + best[narrow]
+    baseline = best[by_loop] + best[narrow]
     assert baseline >= RATIO * best[OURS]
     assert baseline >= WHOLE * best[identify]
 

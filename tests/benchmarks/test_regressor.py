@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from planar_chains import assert_relative, random_motion
-from turns import best_of_turns, show, with_memory
+from turns import best_of_turns, looped, show, with_memory
 
 import exoid
 from exoid import Coulomb, Viscous
@@ -35,22 +35,7 @@ def batched() -> np.ndarray:
 
 def loop_stored() -> np.ndarray:
     """Pinocchio's regressor sample by sample, (N, 3, 30)."""
-    model, data, out = LEG.model, LEG.model.createData(), np.empty((SAMPLES, 3, 30))
-    for i, (q, v, a) in enumerate(zip(*MOTION, strict=True)):
-        out[i] = pin.computeJointTorqueRegressor(model, data, q, v, a)
-    return out
-
-
-def loop_reduced() -> np.ndarray:
-    """The same, reduced to the documented parameters, (N, 3, 9)."""
-    return LEG.reduction.reduce(loop_stored())
-
-
-def loop_bare() -> None:
-    """The same with every result thrown away."""
-    model, data = LEG.model, LEG.model.createData()
-    for q, v, a in zip(*MOTION, strict=True):
-        pin.computeJointTorqueRegressor(model, data, q, v, a)
+    return looped(LEG.model, MOTION, np.empty((SAMPLES, 3, 30)))
 
 
 @pytest.fixture(scope="module")
@@ -71,9 +56,9 @@ def figaroh():
 def test_the_batched_regressor_is_many_times_as_fast_as_a_loop_over_pinocchios():
     works = {
         OURS: batched,
-        "loop over Pinocchio's, stored, reduced": loop_reduced,
+        "loop over Pinocchio's, stored, reduced": lambda: LEG.reduction.reduce(loop_stored()),
         "loop over Pinocchio's, stored": loop_stored,
-        "loop over Pinocchio's, thrown away": loop_bare,
+        "loop over Pinocchio's, thrown away": lambda: looped(LEG.model, MOTION),
     }
     best = best_of_turns(works, ROUNDS)
     show(f"Regressor of {SAMPLES:,} samples, three segments", best, OURS)

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from public_robots import urdf_of
-from turns import best_of_turns, show, with_memory
+from turns import best_of_turns, looped, show, with_memory
 
 import exoid
 from exoid.leg.catalog import URDFS, urdf_folder
@@ -48,18 +48,8 @@ class Robot(NamedTuple):
     batched: Callable[[], np.ndarray]
 
 
-def looped(robot: Robot, samples: int, out: np.ndarray | None = None) -> None:
-    model, data = robot.model, robot.model.createData()
-    for i, row in enumerate(zip(*(x[:samples] for x in robot.motion), strict=True)):
-        found = pin.computeJointTorqueRegressor(model, data, *row)
-        if out is not None:
-            out[i] = found
-
-
-def stored(robot: Robot, samples: int = SAMPLES) -> np.ndarray:
-    out = np.empty((samples, robot.model.nv, 10 * (robot.model.njoints - 1)))
-    looped(robot, samples, out)
-    return out
+def stored(robot: Robot) -> np.ndarray:
+    return looped(robot.model, robot.motion, np.empty((SAMPLES, robot.model.nv, 10 * (robot.model.njoints - 1))))
 
 
 def arm(samples: int) -> Robot:
@@ -129,7 +119,7 @@ def test_the_batched_regressor_is_faster_than_loops_over_pinocchios(case):
     Y = stored(robot)
     works = {
         OURS: robot.batched,
-        BARE: lambda: looped(robot, SAMPLES),
+        BARE: lambda: looped(robot.model, robot.motion),
         STORED: lambda: stored(robot),
         SELECTED: lambda: Y[..., robot.columns],
     }

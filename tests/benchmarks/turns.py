@@ -7,9 +7,10 @@ import gc
 import math
 import time
 import tracemalloc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
+import pinocchio as pin
 from threadpoolctl import threadpool_limits
 
 TURN = 0.1
@@ -40,6 +41,16 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
     for _ in range(repeats):
         work()
     return (time.process_time() - start) / repeats
+
+
+def looped(model: pin.Model, motion: Iterable[np.ndarray], out: np.ndarray | None = None) -> np.ndarray | None:
+    """Pinocchio's regressor sample by sample: kept in ``out``, (N, rows, 10 bodies), or thrown away."""
+    data = model.createData()
+    for k, (q, v, a) in enumerate(zip(*motion, strict=True)):
+        found = pin.computeJointTorqueRegressor(model, data, q, v, a)
+        if out is not None:
+            out[k] = found
+    return out
 
 
 def with_memory(work: Callable[[], object]) -> tuple[object, int]:
