@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from planar_chains import pinocchios_regressor
 
 from exoid.leg.base_kinematics import BaseKinematics
 from exoid.leg.model import configuration
@@ -82,8 +83,7 @@ class Flight:
         return np.array([pin.rnea(self.model, data, *row).copy() for row in zip(self.q, self.v, self.a, strict=True)])
 
     def regressor(self):
-        data, rows = self.model.createData(), zip(self.q, self.v, self.a, strict=True)
-        return np.array([pin.computeJointTorqueRegressor(self.model, data, *row).copy() for row in rows])
+        return pinocchios_regressor(self.model, self.q, self.v, self.a)
 
 
 def about_hip(leg, rows):

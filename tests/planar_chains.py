@@ -180,13 +180,16 @@ def random_motion(
     return q, v, a
 
 
+def pinocchios_regressor(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
+    """Pinocchio's regressor Y with Y π = RNEA(q, v, a) of configurations q."""
+    data, rows = model.createData(), zip(q, v, a, strict=True)
+    found = [pin.computeJointTorqueRegressor(model, data, *row).copy() for row in rows]
+    return np.reshape(found, (*v.shape, -1))  # Pinocchio's of a single joint is a vector
+
+
 def joint_torque_regressor(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
-    """Pinocchio's regressor Y with Y π = RNEA(q, v, a)."""
-    data = model.createData()
-    out = np.empty((*v.shape, 10 * (model.njoints - 1)))
-    for i, row in enumerate(zip(configuration(model, q), v, a, strict=True)):
-        out[i] = pin.computeJointTorqueRegressor(model, data, *row)
-    return out
+    """The same of angles."""
+    return pinocchios_regressor(model, configuration(model, q), v, a)
 
 
 def assert_relative(actual: Array, expected: Array, tolerance: float) -> None:

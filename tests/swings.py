@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 from exoid import Coulomb, Leg, Recording, Viscous
 from exoid.signals import Kinematics, ZeroPhase, zero_phase
 from exoid.signals.differentiation import difference
+from exoid.torques.payloads import payload_parameters
 
 SMOOTHING = 0.02
 
@@ -31,6 +32,11 @@ def coloured(rng, shape, memory):
     drive = rng.standard_normal(shape)
     drive[1:] *= np.sqrt(1.0 - memory**2)
     return lfilter([1.0], [1.0, -memory], drive, axis=0)
+
+
+def with_payloads(leg, payloads):
+    """Fix payloads to a leg, so that its model includes them."""
+    return leg.with_parameters(leg.parameters + payload_parameters(leg, payloads))
 
 
 def log_of(leg, time, motion, acting=0.0, noise=0.0, seed=0, *, exact=False):

@@ -4,13 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from swings import harmonics
+from swings import harmonics, with_payloads
 
 import exoid
 from exoid.leg.payload import Payload
 from exoid.signals import Recording
-from exoid.torques import Motion
-from exoid.torques.payloads import payload_torque
 
 LEG = exoid.load_leg("cuhk")
 PAYLOAD = Payload("knee", 3.0, (0.0, 0.0, -0.3))
@@ -25,7 +23,7 @@ def write(path, seed, payloads, named=()):
     rng, t = np.random.default_rng(seed), np.arange(0.0, 20.0, 0.01)
     w, phase = 2.0 * np.pi * rng.uniform(0.2, 1.2, (4, 2)), rng.uniform(0.0, 6.3, (4, 2))
     q, v, a = harmonics(t, 0.2, w.T, phase.T)
-    tau = LEG.inverse_dynamics(q, v, a) + payload_torque(LEG, payloads, Motion(q, v, a)) + 0.8 * np.tanh(v / 0.01)
+    tau = with_payloads(LEG, payloads).inverse_dynamics(q, v, a) + 0.8 * np.tanh(v / 0.01)
     current = tau / (50.0 * np.array([0.07, 0.05])) + 0.02 * rng.standard_normal(q.shape)
     log = Recording(t, q, current=current, joint_names=LEG.joint_names, payloads=named)
     log.to_csv(path)

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from loaded_legs import with_payloads
 from public_robots import urdf_of
-from swings import holds
+from swings import holds, with_payloads
 from unchecked import identify
 from walking import Walk
 

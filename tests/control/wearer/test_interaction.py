@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from loaded_legs import with_payloads
 from standing import session, standing
+from swings import with_payloads
 from walking import Walk
 from worn import filtered, log, push, swing, unworn_estimate
 

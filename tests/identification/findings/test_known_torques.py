@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
-from loaded_legs import with_payloads
 from logs import clean, kinds, of_kind
-from swings import Swing
+from swings import Swing, with_payloads
 
 import exoid
 from exoid.signals import Wrench

@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import one_joint
 import pytest
-from loaded_legs import with_payloads
 from logs import clean, kinds, of_kind, with_column
-from swings import Swing
+from swings import Swing, with_payloads
 
 import exoid
 
