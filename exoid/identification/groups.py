@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy  # its parts load when they are first used
 
 from exoid.errors import BadArgumentError, ExoidError, within
 from exoid.estimate.comparison import Equality, equality_of
+from exoid.estimate.estimate import Estimate
 from exoid.leg.leg import Leg
 from exoid.regression.fit import uncertainty_of
 from exoid.regression.parameters import PriorKnowledge
@@ -123,3 +125,19 @@ def shared_agreement(
     below = ", ".join(equality.below(0.01))  # in 1 % of groups that do share their parameters
     warning = f"groups do not agree on {below} by more than noise explains: make these own, or find what differs"
     return equality, (warning,) if below else (), ()
+
+
+def with_causes(estimates: Mapping[str, Estimate]) -> dict[str, Estimate]:
+    """Let large residuals of a group without errors of its own name those of others, which bend what all share."""
+    effects, told = {"large-residual", "unmodelled-friction", "impossible-leg"}, dict(estimates)
+    wrong = {
+        name: [f"{x.kind} of {name}" for x in one.findings if x.severity == "error" and x.kind not in effects]
+        for name, one in estimates.items()
+    }
+    causes = [cause for of_group in wrong.values() for cause in of_group]
+    for name, one in estimates.items():
+        if causes and not wrong[name]:
+            more = f"; mend {' and '.join(causes)} first, which bends what the groups share"
+            said = (replace(x, message=x.message + more * (x.kind == "large-residual")) for x in one.findings)
+            told[name] = replace(one, findings=tuple(said))
+    return told

@@ -44,7 +44,7 @@ from .findings.physics import impossible_leg, mass_scale, unbalanced, with_negat
 from .friction_form import doubt_in_the_air, doubt_on_ground
 from .ground_faults import unlike_logs
 from .group_rows import Group
-from .groups import shared_agreement
+from .groups import shared_agreement, with_causes
 from .problem import Fitted
 from .row_changes import torque_findings
 
@@ -201,7 +201,7 @@ class Result:
         common = (*self.warnings, *disagreed)
         estimates = {name: self.estimate(k, common) for k, name in enumerate(layout.groups)}
         if check:
-            estimates = {name: self.checked(one, k) for k, (name, one) in enumerate(estimates.items())}
+            estimates = with_causes({name: self.checked(one, k) for k, (name, one) in enumerate(estimates.items())})
         estimates = {name: with_negative(one) for name, one in estimates.items()}
         own = {name: [layout.place(name, k) for k in range(len(layout.groups))] for name in layout.own}
         apart = set(problem.names if len(layout.groups) < 2 else layout.own)

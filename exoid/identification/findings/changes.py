@@ -96,7 +96,7 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
     sizes, left = (np.diagonal(x, axis1=1, axis2=2)[:, : len(tested)] for x in (whole, information))
     gain = score[:, : len(tested)] ** 2 / np.maximum(left, TINY) / rss
     midst = np.array([place.within for place, *_ in places], dtype=np.bool_)[:, None]
-    least = np.where(np.isin(tested, gains) & carries & ~midst, 0.0, 0.1)
+    least = np.where(np.isin(tested, gains) & carries & ~midst, 0.0, 0.1 * state.evidence.share_of_two)
     least[midst & np.isin(tested, late)] = np.inf  # of another clock there are other columns
     gain = np.where((left > 0.01 * sizes) & (gain > least), gain, 0.0)
     if gain.any():

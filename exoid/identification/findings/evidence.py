@@ -29,6 +29,11 @@ class Evidence(NamedTuple):
     sources: Sequence[str] = ()  # file of each; "" for one in memory
     hints: FloatArray = np.zeros((0, 3))  # see `exoid.identification.findings.columns.residual_hints`
 
+    @property
+    def share_of_two(self) -> float:
+        """Part of the weighted squared residuals that two joints have: weights make those of all joints alike."""
+        return min(1.0, 2.0 / max(1, int(np.count_nonzero(self.counts > 1.0))))
+
     @classmethod
     def of(cls, parts: Sequence[Rows], at_rest: Sequence[bool], fixed: FloatArray, *, beside: int) -> Evidence:
         """Form the tables and R factors of rows, whose last columns may stand beside them."""

@@ -148,9 +148,10 @@ KINDS = {
     ),
     "known-torque": Kind(
         2e-2,
-        "payloads and wrenches of the log act {x:.3g} times as it says",
+        "payloads and wrenches of the log act {x:.3g} times as it says{sign}",
         "check mass, place and link of payloads, and sign, unit and axes of force sensors",
         value=lambda delta: 1.0 + delta,
+        signs=("", ": they have the wrong sign"),
     ),
     "wrench-delay": Kind(
         1e-3,

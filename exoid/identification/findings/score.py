@@ -26,7 +26,7 @@ from .kinds import Nuisance
 
 WORTH_A_LOOK, LARGE_GAIN = 0.01, 0.05
 """Below this probability the variance of a score is also taken from blocks of time. A fault that explains more than the
-second of the squared residuals is tested with the noise that is left then."""
+second of the squared residuals of two joints is tested with the noise that is left then."""
 
 HIDDEN = (1.0 / 300.0) ** 2  # what the parameters explain of a fault, but for a 300th, cannot be tested
 HALF_WIDTH = 1.96  # half of a 95 % interval, in standard deviations
@@ -39,7 +39,7 @@ class Score(NamedTuple):
     delta: FloatArray  # estimate, (m,)
     std: FloatArray  # its standard deviations, (m,)
     p_value: float  # probability of an estimate this far from zero in noise alone
-    gain: float  # share of the sum of squared residuals that it explains
+    gain: float  # part of the squared residuals of two joints that it explains
     evidence: float  # improvement of the log likelihood, less a penalty for its m numbers (BIC)
     move: FloatArray  # change of the parameters when the fault is taken into account, (P,)
     half: FloatArray  # half widths of the parameters' intervals without the fault's residual, (P,)
@@ -194,7 +194,8 @@ class State:
         # the parameters that it moves are those of a plain fit, without protecting columns
         columns, tests = list(nuisance.columns), self._tests
         own, whole = np.ix_(columns, columns), max(float(self.residual @ self.residual), TINY)
-        quiet = len(columns) == 1 and tests.score[columns[0]] ** 2 <= LARGE_GAIN * whole * tests.information[own][0, 0]
+        large = LARGE_GAIN * self.evidence.share_of_two
+        quiet = len(columns) == 1 and tests.score[columns[0]] ** 2 <= large * whole * tests.information[own][0, 0]
         if quiet and p_value_of(tests.score[columns], tests.noise[own], self.dof) >= limit:
             return None  # as below, but most columns end here
         size = np.sqrt(np.diag(tests.size)[columns])
@@ -215,12 +216,13 @@ class State:
             factor, blocks = self._uneven(columns, C, step, noise)
             noise = factor * noise
             p_value = p_value_of(score, noise, min(self.dof, blocks))
-        if p_value >= limit and gain <= LARGE_GAIN:
+        if p_value >= limit and gain <= large:
             return None
         delta, std = C @ step, np.sqrt(np.diag(C @ inverse @ noise @ inverse @ C.T))
         evidence = float(-0.5 * self.dof * np.log1p(-gain) - len(step) * np.log(max(self.dof, 2.0)))
         half = plain.half * (1.0 if self.like is not None else np.sqrt(1.0 - gain))
-        return Score(nuisance, delta, std, p_value, gain, evidence, -plain.moved(columns, delta), half, self.dof)
+        of_two = gain / self.evidence.share_of_two
+        return Score(nuisance, delta, std, p_value, of_two, evidence, -plain.moved(columns, delta), half, self.dof)
 
     def _uneven(
         self, columns: Sequence[int], C: FloatArray, step: FloatArray, noise: FloatArray

@@ -72,7 +72,9 @@ def test_the_sign_and_the_unit_of_a_force_sensor(held, factor):
     if factor == 1.0:
         assert not kinds(found)
     else:
-        assert of_kind(found, "known-torque").value == pytest.approx(1.0 / factor, rel=0.03)
+        of_wrench = of_kind(found, "known-torque")
+        assert of_wrench.value == pytest.approx(1.0 / factor, rel=0.03)
+        assert ("wrong sign" in of_wrench.message) == (factor < 0.0)
 
 
 def test_a_force_sensor_that_is_late(held):

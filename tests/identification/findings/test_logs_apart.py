@@ -63,3 +63,13 @@ def test_a_gross_fault_of_one_log_of_two_is_named_there(name, place):
     logs[place] = replace(logs[place], q=angles(logs[place].q), tau=torques(logs[place].tau))
     errors = {(x.kind, x.joint, x.recording) for x in exoid.check(leg, logs) if x.kind != "large-residual"}
     assert errors == {(kind, joint, f"recording {place + 1}")}
+
+
+def test_a_group_whose_residuals_come_from_another_names_that():
+    """N·mm in all logs of one group left 600 times the torque of the other unexplained, and this did not say why."""
+    (leg, one), (_, other) = clean(seed=1), clean(seed=2)
+    wrong = replace(other, tau=1e3 * other.tau)
+    both = exoid.identify(leg, {"monday": one, "tuesday": wrong}, own=())
+    assert "torque-scale" in {x.kind for x in both.estimates["tuesday"].findings}
+    large = [x.message for x in both.estimates["monday"].findings if x.kind == "large-residual"]
+    assert large and all("mend torque-scale of tuesday first" in message for message in large)
