@@ -57,15 +57,14 @@ def described(change: Change, evidence: Evidence, model: TorqueModel, columns: S
     own = tuple(range(last - count - len(change.mix), last - count))
     if change.joint >= 0:
         return Nuisance("wrong-load", names[change.joint], change.joint, "kg·m", own, change.when)
-    (column,) = change.columns
+    (column,), joint = change.columns, _joint(change.columns[0], model, columns)
     if column < count:
-        joint = int(np.flatnonzero(model.acting[:, column])[-1])
         unit, what = model.units[column], model.names[column]
     else:
-        kind, joint, _ = columns[column - count]
+        kind = columns[column - count].kind
         angle = "rad" if turning_joints(model.leg)[joint] else "m"
         unit, what = {"gain": ("1", "scale"), "delay": ("s", "delay")}.get(kind.removesuffix("s"), (angle, "offset"))
-        if kind in ("gains", "delays"):
+        if joint < 0:
             return Nuisance("change", "", -1, unit, own, f"{change.when}, the {what} of all torques")
         what = f"the {what} of the {'angle' if kind == 'zero' else 'torque'} of {names[joint]}"
     return Nuisance("change", names[joint], joint, unit, own, f"{change.when}, {what}")
@@ -75,7 +74,7 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
     """Find the change of one number, and that of a load, that explain most beside the fitted columns, if it is much."""
     # Mass moments change with a load. Friction is compared, too: it is another one in the next recording, but what
     # changes in the midst of one is the form of friction, which hardly moves other parameters. It explains less than a
-    # tenth of the squared residuals.
+    # tenth of the squared residuals of two joints, and hides no change of another joint.
     count, rigid, fitted = len(model.names), len(model.leg.parameter_names), len(state.columns)
     free = [k for k in state.evidence.free.tolist() if k >= rigid and model.units[k] != "kg·m²"]
     zeros = [count + k for k, one in enumerate(nuisances) if one.kind == "zero"]
@@ -99,6 +98,10 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
     least = np.where(np.isin(tested, gains) & carries & ~midst, 0.0, 0.1 * state.evidence.share_of_two)
     least[midst & np.isin(tested, late)] = np.inf  # of another clock there are other columns
     gain = np.where((left > 0.01 * sizes) & (gain > least), gain, 0.0)
+    forms = midst & np.isin(tested, [k for k in free if model.names[k] not in offsets])
+    joints = np.array([_joint(k, model, nuisances) for k in tested.tolist()])
+    alike = (joints[:, None] == joints) | (joints[:, None] < 0)
+    gain = np.where(forms | (gain <= np.max(alike * np.max(gain * forms, axis=0), axis=1)), 0.0, gain)
     if gain.any():
         place, k = np.unravel_index(gain.argmax(), gain.shape)
         best.append(places[place][0]._replace(columns=(int(tested[k]),), mix=((1.0,),)))
@@ -115,8 +118,15 @@ def find_changes(state: State, model: TorqueModel, nuisances: Sequence[Column]) 
         mix = tuple(map(tuple, loads[joint].tolist()))
         best.append(places[place][0]._replace(columns=tuple(range(rigid)), mix=mix, joint=int(joint)))
     for one in best:
-        if not one.within or one.columns[0] not in free or model.names[one.columns[0]] in offsets:
-            yield one._replace(mix=((-1.0,),)) if one.columns[0] in zeros else one  # what an angle reads too much
+        yield one._replace(mix=((-1.0,),)) if one.columns[0] in zeros else one  # what an angle reads too much
+
+
+def _joint(column: int, model: TorqueModel, nuisances: Sequence[Column]) -> int:
+    """Index of the joint whose number a column is, the last that it acts on; −1 for all."""
+    if column < len(model.names):
+        return int(np.flatnonzero(model.acting[:, column])[-1])
+    kind, joint, _ = nuisances[column - len(model.names)]
+    return -1 if kind in ("gains", "delays") else joint
 
 
 def _loads(leg: Leg) -> FloatArray:

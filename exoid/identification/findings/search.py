@@ -261,9 +261,7 @@ def _predicts(beside: _Beside, score: Score, plain: State) -> bool:
             errors[k] += np.einsum("i,jik,k->j", left, out, left)
     # Gains of log likelihood per row, of all joints. Residuals of wrong friction look a little like any fault.
     errors = np.maximum(errors, 1e-12 * blocks[..., -1, -1].sum(axis=0) + TINY)  # smaller ones are rounding
-    gains, of_frictions = np.log(errors[::2] / errors[1::2])
-    places = np.searchsorted(used[:-1], own)  # friction of a joint that the fault does not act on does not look like it
-    gain, of_friction = gains.sum(), of_frictions[whole[:, places, places].any(axis=1)].sum()
+    gain, of_friction = np.log(errors[::2] / errors[1::2]).sum(axis=1).tolist()
     eased = fault.kind == "unmodelled-friction" or (fault.kind == "torque-delay" and applied > LATE)
     eased |= fault[:2] == ("change", "") and bool(library.free)  # a small one moves free constants of drives far
     least = 0.0 if eased else float(np.clip(0.36 * of_friction, 0.0, 0.9))

@@ -6,6 +6,7 @@ import numpy as np
 import one_joint
 import pytest
 from logs import clean, kinds, of_kind, with_column
+from proving_ground.machine import draw
 from swings import Swing, with_payloads
 
 import exoid
@@ -26,6 +27,26 @@ def test_a_change_within_a_log_is_named_with_its_time_joint_and_size(what):
     assert (finding.joint, finding.unit) == (leg.joint_names[1], unit)
     assert finding.value == pytest.approx(value, rel=0.05)
     assert float(finding.message.split()[1]) == pytest.approx(log.time.mean(), abs=1.0)
+
+
+def test_a_change_at_one_of_six_joints_is_named():
+    """It explains half of the squared residuals of that joint, and a tenth of all: it was friction that drifts."""
+    leg = draw(3).leg()
+    swing = Swing(leg, seconds=30.0, smoothing=0.015)
+    noise = 0.01 * swing.torque.std(axis=0) * np.random.default_rng(1).standard_normal(swing.torque.shape)
+    log = swing.recording(v=None, a=None, tau=swing.torque + noise)
+    later = log.time > log.time.mean()
+    found = of_kind(exoid.check(leg, with_column(log, "tau", 3, lambda x: x * (1.0 + 0.007 * later))), "change")
+    assert (found.joint, found.value) == (leg.joint_names[3], pytest.approx(0.007, rel=0.1))
+
+
+def test_friction_that_changes_at_one_joint_hides_no_change_of_another():
+    """It explains more, and is no fault of the log: nothing else was tried."""
+    leg, log = clean("cuhk")
+    later, sign = log.time > log.time.mean(), np.tanh(np.gradient(log.q[:, 0], log.time) / 0.015)
+    worn = with_column(log, "tau", 0, lambda x: x + 3.0 * later * sign)
+    found = exoid.check(leg, with_column(worn, "q", 1, lambda x: x + 0.005 * later))
+    assert of_kind(found, "change").joint == leg.joint_names[1]
 
 
 def test_a_change_between_logs_moves_parameters_which_are_doubtful():
