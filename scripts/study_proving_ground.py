@@ -175,7 +175,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default=f"{REPORTED}:{REPORTED + 40}", help="first:last + 1")
     parser.add_argument("--features", default="fit,select,check,doctor", help="of these")
-    parser.add_argument("--mistakes", default="", help="only mistakes whose name has this text")
+    parser.add_argument("--mistakes", default="", help="only mistakes whose name has one of these texts")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--keep", type=Path, help="file with a line of JSON for each machine")
     given = parser.parse_args()
@@ -183,12 +183,8 @@ def main() -> None:
     known = given.keep.read_text(encoding="utf-8").splitlines() if given.keep and given.keep.exists() else []
     outcomes = {outcome.machine.seed: outcome for outcome in map(from_json, known)}
     missing, features = [seed for seed in seeds if seed not in outcomes], given.features.split(",")
-    for outcome in population(
-        missing,
-        workers=given.workers,
-        features=features,
-        mistakes=[each for each in MISTAKES if given.mistakes in each],
-    ):
+    mistakes = [each for each in MISTAKES if any(text in each for text in given.mistakes.split(","))]
+    for outcome in population(missing, workers=given.workers, features=features, mistakes=mistakes):
         outcomes[outcome.machine.seed] = outcome
         print(line(outcome), file=sys.stderr, flush=True)
         if given.keep:

@@ -130,14 +130,11 @@ def shared_agreement(
 def with_causes(estimates: Mapping[str, Estimate]) -> dict[str, Estimate]:
     """Let large residuals of a group without errors of its own name those of others, which bend what all share."""
     effects, told = {"large-residual", "unmodelled-friction", "impossible-leg"}, dict(estimates)
-    wrong = {
-        name: [f"{x.kind} of {name}" for x in one.findings if x.severity == "error" and x.kind not in effects]
-        for name, one in estimates.items()
-    }
-    causes = [cause for of_group in wrong.values() for cause in of_group]
-    for name, one in estimates.items():
-        if causes and not wrong[name]:
-            more = f"; mend {' and '.join(causes)} first, which bends what the groups share"
-            said = (replace(x, message=x.message + more * (x.kind == "large-residual")) for x in one.findings)
-            told[name] = replace(one, findings=tuple(said))
+    every = [(name, one) for name, estimate in estimates.items() for one in estimate.findings]
+    errors = {name: one.kind for name, one in every if one.severity == "error" and one.kind not in effects}
+    causes = " and ".join(f"{kind} of {name}" for name, kind in errors.items())
+    for name in estimates.keys() - errors.keys() if errors else ():
+        more = f"; mend {causes} first, which bends what the groups share"
+        said = (replace(x, message=x.message + more * (x.kind == "large-residual")) for x in told[name].findings)
+        told[name] = replace(told[name], findings=tuple(said))
     return told

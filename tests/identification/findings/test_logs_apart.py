@@ -72,4 +72,5 @@ def test_a_group_whose_residuals_come_from_another_names_that():
     both = exoid.identify(leg, {"monday": one, "tuesday": wrong}, own=())
     assert "torque-scale" in {x.kind for x in both.estimates["tuesday"].findings}
     large = [x.message for x in both.estimates["monday"].findings if x.kind == "large-residual"]
-    assert large and all("mend torque-scale of tuesday first" in message for message in large)
+    assert large
+    assert all("mend torque-scale of tuesday first" in message for message in large)
