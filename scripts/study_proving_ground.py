@@ -141,6 +141,21 @@ def coverage(outcomes: Sequence[Outcome]) -> str:
     return table(headers, rows)
 
 
+def torque_bands(outcomes: Sequence[Outcome]) -> str:
+    """Share of measured torques within their 95 % band on motion unlike the training's."""
+    rows = []
+    for name, floating in (("a fixed base", False), ("a floating base", True)):
+        judged = [band for o in outcomes if o.machine.floating == floating for band in o.bands]
+        if judged:
+            share, warned = (np.array(x) for x in zip(*judged, strict=True))
+            narrow = share < 0.9
+            least = f"{share[~warned].min():.2f}" if not warned.all() else ""
+            figures = f"{share.mean():.2f}", str(narrow.sum()), str((narrow & ~warned).sum()), least
+            rows.append((name, str(len(judged)), *figures))
+    headers = "machines with", "joints", "mean share within", "below 0.90", "below without a finding", "least of these"
+    return table(headers, rows)
+
+
 def worst_by_chance(counts: Sequence[int]) -> float:
     """Median share of the worst of machines with so many intervals, if each held in 95 % by itself."""
     held = np.random.default_rng(0).binomial(counts, 0.95, (10_000, len(counts)))
@@ -156,7 +171,8 @@ def refusals(outcomes: Sequence[Outcome]) -> str:
 def to_json(outcome: Outcome) -> str:
     """Write the figures of a machine."""
     numbers = {
-        name: getattr(outcome, name) for name in ("nrmse", "seconds", "false", "true", "named", "shown", "refused")
+        name: getattr(outcome, name)
+        for name in ("nrmse", "seconds", "false", "true", "named", "bands", "shown", "refused")
     }
     numbers |= {name: {e: x.tolist() for e, x in getattr(outcome, name).items()} for name in ("inside", "doubtful")}
     return json.dumps({"seed": outcome.machine.seed, **numbers})
@@ -191,7 +207,7 @@ def main() -> None:
             with given.keep.open("a", encoding="utf-8") as file:
                 file.write(to_json(outcome) + "\n")
     ours = [outcomes[seed] for seed in seeds]
-    for show in (errors_of_models, selection, doctor, coverage, refusals):
+    for show in (errors_of_models, selection, doctor, coverage, torque_bands, refusals):
         print(show(ours))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -251,6 +251,8 @@ class Outcome:
         false: Findings of the log that nothing in the machine explains, as (severity, kind).
         true: Findings that the machine explains.
         named: Whether each mistake is named with the right joint.
+        bands: Share of the measured torque of each driven joint within its 95 % band on that motion, and whether a
+            warning of the estimate or the validation says that it is not to be trusted there.
         shown: By how much a mistake that is not named makes the residual of some joint larger: 1.1 is 10 %.
         refused: What was refused, with the reason.
     """
@@ -263,6 +265,7 @@ class Outcome:
     false: list[tuple[str, str]] = field(default_factory=list)
     true: list[tuple[str, str]] = field(default_factory=list)
     named: dict[str, bool] = field(default_factory=dict)
+    bands: list[tuple[float, bool]] = field(default_factory=list)
     shown: dict[str, float] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
 
@@ -304,18 +307,28 @@ def attend(
         if estimate is not None:
             outcome.nrmse[name] = error(machine, estimate, test)
             if name.startswith("checked"):
-                _cover(outcome, name.removeprefix("checked, "), estimate)
+                _cover(outcome, name.removeprefix("checked, "), estimate, test)
     return outcome
 
 
-def _cover(outcome: Outcome, estimator: str, estimate: exoid.Estimate) -> None:
-    """Note which intervals contain the truth, and which parameters are doubtful; findings are judged once."""
+def _cover(outcome: Outcome, estimator: str, estimate: exoid.Estimate, test: Log) -> None:
+    """Note which intervals contain the truth, and which parameters are doubtful; findings and bands are judged once."""
     if estimator == ESTIMATORS[0]:
         judge(outcome, estimate.findings)
+        outcome.bands = list(bands(outcome.machine, estimate, test))
     outcome.inside[estimator] = inside(outcome.machine, estimate)
     doubtful = {name for one in estimate.findings if one.severity != "info" for name in one.parameters}
     rigid = [name for name in estimate.names if name in estimate.leg.parameter_names]
     outcome.doubtful[estimator] = np.array([name in doubtful for name in rigid])
+
+
+def bands(machine: Machine, estimate: exoid.Estimate, test: Log) -> Iterator[tuple[float, bool]]:
+    """Judge the bands of the driven joints on another kind of motion."""
+    found = exoid.validate(estimate, test.recording)
+    warned = {one.joint for one in (*estimate.findings, *found.findings) if one.severity != "info"}
+    for k, (name, joint) in enumerate(zip(machine.names, machine.joints, strict=True)):
+        if not joint.passive:
+            yield float(found.coverage[k]), not warned.isdisjoint({"", name, estimate.joint_names[k]})
 
 
 def error(machine: Machine, estimate: exoid.Estimate, test: Log) -> float:
