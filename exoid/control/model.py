@@ -115,20 +115,17 @@ class ControlModel:
         plain: tuple[type[Term], ...] = (Coulomb, Viscous, Armature)
         spring, rest = np.zeros((degree + 1, n)), np.zeros((3, n))
         others = []
-        for term in model.terms:
-            for label, joints in term.places(leg.joint_names, leg.joint_labels).items():
-                joint = joints[0]
-                # a regrouped parameter is part of another one
-                found = np.array([values.get(f"{symbol}_{label}", 0.0) for symbol in term.symbols])
-                kind = type(term)
-                if type(term) is Stiffness:  # a subclass may compute something else
-                    spring[degree - term.degree :, joint] += found
-                elif kind is Offset:
-                    spring[-1, joint] += found[0]
-                elif kind in plain:
-                    rest[plain.index(kind), joint] += found[0]
-                else:
-                    others.append(OtherTerm.of(term, joints, found, n))
+        for term, joints, names in model.blocks:
+            joint, kind = joints[0], type(term)
+            found = np.array([values.get(name, 0.0) for name in names])  # a regrouped one is part of another
+            if type(term) is Stiffness:  # a subclass may compute something else
+                spring[degree - term.degree :, joint] += found
+            elif kind is Offset:
+                spring[-1, joint] += found[0]
+            elif kind in plain:
+                rest[plain.index(kind), joint] += found[0]
+            else:
+                others.append(OtherTerm.of(term, joints, found, radians(leg)))
         coulomb, viscous, armature = rest
         return cls(leg, spring, coulomb, viscous, armature, tuple(others))
 
@@ -215,6 +212,8 @@ class ControlModel:
 
     def friction(self, q: FloatArray, v: FloatArray, width: float) -> FloatArray:
         """Compute r(v) = c0 sgn v + d v, or c0 tanh(v / width) + d v, and other terms that depend on velocity.
+
+        The load of friction that grows with it is gravity: laws do not know the acceleration.
 
         Args:
             q: Angles [rad], for terms that depend on them too, (n,) or (n, B).

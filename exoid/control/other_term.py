@@ -20,13 +20,14 @@ class OtherTerm(NamedTuple):
     term: Term  # the term
     joints: tuple[int, ...]  # indices of its joints, m of them
     values: FloatArray  # values of the term's parameters
+    radian: float  # what counts as a radian at the first of them, in m where it slides
     inertial: bool = False  # whether its torque depends on accelerations
 
     @classmethod
-    def of(cls, term: Term, joints: tuple[int, ...], values: FloatArray, n: int) -> OtherTerm:
+    def of(cls, term: Term, joints: tuple[int, ...], values: FloatArray, radian: FloatArray) -> OtherTerm:
         """Make it, and find out whether it depends on accelerations."""
-        other = cls(term, joints, values)
-        q, v, a = random_motion(10, n).transpose(0, 2, 1)
+        other = cls(term, joints, values, float(radian[joints[0]]))
+        q, v, a = random_motion(10, len(radian)).transpose(0, 2, 1)
         load = np.zeros_like(q)
         return other._replace(inertial=not np.array_equal(other.torque(q, v, a, load), other.torque(q, v, load, load)))
 
@@ -34,7 +35,8 @@ class OtherTerm(NamedTuple):
         """Compute the torque of the term."""
         # The distance since the last reversal is unknown, so presliding contacts count as sliding.
         state = self.term.internal_state
-        states = {} if state is None else {(self.joints[0], state): np.tanh(v[self.joints[0]] / SIGN_WIDTH)}
+        sign = np.tanh(v[self.joints[0]] / (SIGN_WIDTH * self.radian))
+        states = {} if state is None else {(self.joints[0], state): sign}
         motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)
         columns = TermBlock(self.term, self.joints, self.term.symbols).columns(motion)
         return np.asarray(np.tensordot(self.values, columns, axes=1))

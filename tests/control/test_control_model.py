@@ -7,7 +7,7 @@ from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, exact_estimate,
 from exoid import Leg
 from exoid.control import ControlModel
 from exoid.leg.description import describe
-from exoid.torques import Coulomb, LoadFriction, TorqueModel, Viscous
+from exoid.torques import Coulomb, LoadFriction, Stribeck, TorqueModel, Viscous
 
 RNG = np.random.default_rng(3)
 
@@ -35,9 +35,9 @@ def test_everything_together_is_the_torque_that_the_estimate_predicts():
 def test_friction_of_a_slide_is_as_smooth_as_that_of_the_terms():
     """A tenth of a width in rad/s counts in m/s."""
     leg = Leg.from_description(describe(LEG.description.text.replace("revolute", "prismatic", 1)), LEG.joint_names)
-    model = TorqueModel(leg, (Coulomb(smoothing=0.015),))
-    values, v = np.append(leg.parameters, [1.0, 2.0]), RNG.uniform(-0.02, 0.02, (10, 2))
-    friction = model.regressor(0.0 * v, v, 0.0 * v)[:, :, -2:] @ [1.0, 2.0]
+    model = TorqueModel(leg, (Coulomb(smoothing=0.015), Stribeck()))
+    values, v = np.append(leg.parameters, [1.0, 2.0, 0.5, 0.7]), RNG.uniform(-0.02, 0.02, (10, 2))
+    friction = model.regressor(0.0 * v, v, 0.0 * v)[:, :, -4:] @ values[-4:]
     found = ControlModel.of_parameters(model, values).friction(0.0 * v.T, v.T, 0.015).T
     np.testing.assert_allclose(found, friction, atol=1e-12)
 
