@@ -34,9 +34,8 @@ class OtherTerm(NamedTuple):
     def torque(self, q: FloatArray, v: FloatArray, a: FloatArray, load: FloatArray) -> FloatArray:
         """Compute the torque of the term."""
         # The distance since the last reversal is unknown, so presliding contacts count as sliding.
-        state = self.term.internal_state
-        sign = np.tanh(v[self.joints[0]] / (SIGN_WIDTH * self.radian))
-        states = {} if state is None else {(self.joints[0], state): sign}
+        first, state = self.joints[0], self.term.internal_state
+        states = {} if state is None else {(first, state): np.tanh(v[first] / (SIGN_WIDTH * self.radian))}
         motion = LoadedMotion(q, v, a, load, np.zeros_like(load), states)
         columns = TermBlock(self.term, self.joints, self.term.symbols).columns(motion)
         return np.asarray(np.tensordot(self.values, columns, axes=1))

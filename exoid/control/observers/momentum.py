@@ -68,8 +68,7 @@ class MomentumModel:
             still, rigid = np.zeros_like(q), len(values)
             motion = (np.tile(q, (3, 1)), np.vstack([still, v, still]), np.vstack([v, still, still]))
             band = self.estimate.band_model
-            sign = np.tanh(motion[1] / (SIGN_WIDTH * model.radian))
-            states = {key: sign[:, key[0]] for key in band.states}  # contacts slide
+            states = {(j, x): np.tanh(motion[1][:, j] / (SIGN_WIDTH * model.radian[j])) for j, x in band.states}
             pushed, moving, rest = np.split(band.columns(Motion(*motion, states=states)).transpose(2, 0, 1), 3)
             of_torque = -moving
             of_torque[:, :rigid] = (turned - gravity).transpose(2, 0, 1)
