@@ -56,8 +56,8 @@ def pytest_runtest_setup(item):
 
 LONGEST = (
     *("test_identification_on_ground", "test_changes", "test_coordinated_loop", "test_docs_pages", "test_rail"),
-    *("test_steppers", "test_recursive", "test_population", "test_elastic_joints", "test_readme"),
-    *("test_cuhk_replay", "test_efforts", "test_selection", "test_packaging"),
+    *("test_ground_scenarios", "test_population", "test_elastic_joints", "test_efforts", "test_recursive"),
+    *("test_cuhk_replay", "test_lift", "test_steppers", "test_coordinate_command", "test_packaging"),
 )
 """Names of files whose slow tests take ten seconds and more."""
 
