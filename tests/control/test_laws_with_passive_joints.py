@@ -36,7 +36,7 @@ class OnlyHipAndKnee:
 @pytest.fixture(scope="module")
 def log():
     """Log of a machine whose ankle is passive."""
-    run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 9.0, log_rate=RATE)
+    run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 6.0, log_rate=RATE)
     return replace(run.recording, passive=("left_ankle",))
 
 
@@ -56,7 +56,7 @@ def test_laws_leave_a_passive_ankle_alone_and_the_other_joints_follow(estimate):
     every = {**laws, "support": control.gravity_support(estimate, friction=control.PASSIVE, rate=RATE)}
     every["amplification"] = control.sensitivity_amplification(estimate, 2.0, rate=RATE)
     for name, law in every.items():
-        run = control.simulate_law(PLANT, law, GAIT, 0.2 if name not in laws else 3.0, log_rate=RATE)
+        run = control.simulate_law(PLANT, law, GAIT, 0.2 if name not in laws else 1.5, log_rate=RATE)
         assert not run.tau[:, 2].any(), name
         if name in laws:
             rms = np.sqrt((run.error[100:] ** 2).mean(axis=0))
@@ -78,7 +78,7 @@ def test_a_spring_that_the_log_hardly_tells_from_the_foot_stays(log):
 def log_by_encoders():
     """Log of the same machine by encoders, with noise of its torques."""
     sensors = Sensors(2.0**16, torque_noise=(0.3, 0.2, 0.0))
-    run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 20.0, log_rate=RATE, seed=1000, sensors=sensors)
+    run = control.simulate_law(PLANT, OnlyHipAndKnee(), GAIT, 12.0, log_rate=RATE, seed=1000, sensors=sensors)
     return replace(run.recording, v=None, passive=("left_ankle",))
 
 

@@ -57,7 +57,7 @@ def test_a_machine_whose_contacts_become_unknown_holds_its_posture_but_no_joint_
     chances = lambda self, reading: self.__dict__.update(_chances={frozenset(SIDES): float(reading.time < 0.0)})  # noqa: E731
     monkeypatch.setattr(CoordinatedLoop, "_tell", chances)
     loop.coordinator = replace(loop.coordinator, patience=0.2)
-    run = run_of(machine, loop, "stand", 0.0, 1.0, PASSIVE)
+    run = run_of(machine, loop, "stand", 0.0, 0.7, PASSIVE)
     assert (loop.decisions[-1].function, loop.decisions[-1].level) == (SAFE, "damping")
     assert np.abs(run.q[-1] - run.q[0]).max() < 0.05
     loop._frozen, loop._memory.known = {1: run.q[-1, 1]}, frozenset(("right",))

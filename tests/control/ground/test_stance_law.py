@@ -242,7 +242,7 @@ def test_the_band_is_the_spread_of_the_torques_of_drawn_estimates(exo):
         return replace(made_of, margin=-10.0)
 
     band = law(estimate.values).band(state, target)
-    draws = np.random.default_rng(0).multivariate_normal(estimate.values, estimate.covariance, 150)
+    draws = np.random.default_rng(0).multivariate_normal(estimate.values, estimate.covariance, 80)
     torques = np.array([law(values).command(state, target).torque for values in draws])
     np.testing.assert_allclose(torques.std(axis=0), band, rtol=0.25)
     assert stance(exo).band(state, target).max() == 0.0
