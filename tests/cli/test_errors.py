@@ -74,8 +74,9 @@ def test_the_package_runs_as_a_command():
 
 def test_a_warning_is_one_line_and_silent_in_a_quiet_command(data, tmp_path):
     exoid.identify(data.leg, data.test.slice(0, 700), (), check=False).save(tmp_path / "est.json")
+    data.test.slice(0, 200).to_csv(tmp_path / "log.csv")
     for silent in ((), ("--quiet",)):
-        words = ["track", "est.json", "--dry-run", "bleex_swing:test", *silent]
+        words = ["track", "est.json", "--dry-run", "log.csv", *silent]
         command = [sys.executable, "-m", "exoid", *words]
         done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=True)
         assert done.stderr.count("\n") == (0 if silent else 1), done.stderr

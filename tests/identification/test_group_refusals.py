@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from outcomes import refused
 from sessions import TERMS, Session
+from unchecked import identify
 
 import exoid
-from exoid import identify
 from exoid.errors import BadArgumentError, NotIdentifiableError, NotSupportedError, UnreadableInputError
 from exoid.identification.estimators import JointML
 from exoid.torques import LoadFriction

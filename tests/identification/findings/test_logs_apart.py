@@ -21,8 +21,14 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("terms", [TERMS, ()], ids=["friction", "no friction"])
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    ("fault", "terms"),
+    [
+        *((fault, TERMS) for fault in FAULTS),
+        *((fault, ()) for fault in ("sign of one torque", "none")),
+        *(pytest.param(fault, (), marks=pytest.mark.nightly) for fault in [*FAULTS][1:-1]),
+    ],
+)
 def test_a_log_unlike_the_others_is_named(fault, terms, tmp_path):
     """Also by a model without friction, which leaves much of all logs."""
     rng = np.random.default_rng(1000)
