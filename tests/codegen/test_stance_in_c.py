@@ -106,7 +106,7 @@ def test_c_is_the_law_in_random_states(compiled, solver, request):
     law, in_c = compiled
     given = {} if solver is None else {"solve": request.getfixturevalue(solver)}
     rng, off, infeasible = np.random.default_rng(1000), {1: [], 2: [], 3: []}, 0
-    for _ in range(300):
+    for _ in range(200):
         state, target = drawn(law, rng)
         expected = law.command(state, target)
         tau, status, _ = in_c.run(records(in_c.source, 1, {**values_of(law, state, target), **given}))
