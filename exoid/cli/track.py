@@ -100,8 +100,6 @@ def _dry_run(
     what: str, dry: DryRunOptions, gains: GainOptions, reading: LogOptions, figures: str | None, *, as_json: bool
 ) -> None:
     """Replay a controller on a log, write and print it."""
-    from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - it needs matplotlib
-
     from .dry_run import dry_run  # noqa: PLC0415 - help needs no controllers
 
     replay = dry_run(_source(what), dry, gains, reading)
@@ -109,6 +107,8 @@ def _dry_run(
         replay.to_csv(dry.output)
         note(f"wrote {dry.output}")
     if figures is not None:
+        from exoid.lab.reproduce.tracking_report import law_replay_figure  # noqa: PLC0415 - it needs matplotlib
+
         save_figures(figures, {"dry_run": law_replay_figure(replay)})
     print_result(replay, as_json=as_json)
 
