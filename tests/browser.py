@@ -41,6 +41,9 @@ LISTEN = (
 )
 """Commands after which a page, or a frame in a process of its own, says everything."""
 
+READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
+"""Whether a scene is drawn."""
+
 LONGEST = 60.0
 """To wait for anything [s]."""
 

@@ -116,7 +116,7 @@ class WornLog:
         return self.values[len(self.leg.parameters) :]
 
 
-def nrmse(read: Array, true: Array, skip: int) -> Array:
+def nrmse(read: Array, true: Array, skip: int = 0) -> Array:
     """RMS difference over the standard deviation of the truth, without the first samples, (n,)."""
     return np.asarray(np.sqrt(np.mean((read - true)[skip:] ** 2, axis=0)) / true[skip:].std(axis=0))
 

@@ -4,13 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from browser import distance_to
+from browser import READY, distance_to
 
 import exoid
 from exoid.view import scene
 from exoid.view.colours import CAD, IDENTIFIED, JOINT_COLOURS
-
-READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
 
 LEGEND = 260
 """Pixels from the left that the legend may cover."""

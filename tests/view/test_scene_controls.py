@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from browser import READY
 
 from exoid.estimate import validate
 from exoid.view import scene
 
-READY = "window.exoid !== undefined && window.exoid.viewer.renderer.info.render.frame > 0"
 TIME = "window.exoid.viewer.animator.time"
 START = 2.5
 

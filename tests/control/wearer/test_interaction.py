@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from observing import nrmse
 from standing import session, standing
 from swings import with_payloads
 from walking import Walk
@@ -30,10 +31,6 @@ def estimate(leg):
 def worn(leg):
     motion = swing(leg, 7)
     return motion, log(motion, push(motion)), push(motion)
-
-
-def nrmse(found, truth):
-    return np.sqrt(((found - truth) ** 2).mean(axis=0)) / truth.std(axis=0)
 
 
 def test_without_noise_it_is_the_filtered_torque_of_the_wearer(leg):
