@@ -1,4 +1,4 @@
-"""Logs of a moving base on the command line."""
+"""Logs of a moving base, and of wrenches, on the command line: their columns, units and axes."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,9 @@ from log_writers import named_columns, write_columns
 from walking import IMU, Walk
 
 import exoid
+from exoid.cli.inputs import LogOptions, read_log
 from exoid.signals.base_motion import BASE_COLUMNS
+from exoid.signals.wrench import WRENCH_PARTS
 
 
 @pytest.fixture
@@ -41,3 +43,32 @@ def test_what_is_wrong_with_the_options_is_said(exoid_, walk, tmp_path):
         ((*options, "--moving-base"), "--moving-base has no effect"),
     ):
         assert said in exoid_("identify", "cuhk", log, "-o", tmp_path / "est.json", *wrong).refusal
+
+
+WRENCHES = [f"wrench_rail_{part}=rail_{part}:{'kN' if part[0] == 'f' else 'N·mm'}" for part in WRENCH_PARTS]
+
+
+@pytest.fixture
+def pushed(tmp_path):
+    """A log of a swinging leg, whose hand rail writes kN and N·mm under its own names."""
+    recording = Walk(exoid.load_leg("cuhk"), seconds=20.0).recording()
+    wrench = np.random.default_rng(0).normal(size=(len(recording), 6)) * [0.03, 0.03, 0.1, 4e3, 4e3, 1e3]
+    names = [column.partition("=")[2].partition(":")[0] for column in WRENCHES]
+    logged = named_columns(recording)
+    path = write_columns(tmp_path / "walk.csv", **logged, **dict(zip(names, wrench.T, strict=True)))
+    return path, wrench
+
+
+def test_axes_point_and_units_of_a_wrench_are_options(pushed):
+    path, written = pushed
+    read = read_log(str(path), LogOptions(column=WRENCHES, wrench=["rail:world@0,0.5,1"])).wrenches["rail"]
+    assert read.axes == "world"
+    assert read.point.tolist() == [0.0, 0.5, 1.0]
+    assert np.allclose(read.columns, written * [1e3, 1e3, 1e3, 1e-3, 1e-3, 1e-3])
+
+
+@pytest.mark.parametrize("verb", ["check", "select"])
+def test_a_header_is_read_once(exoid_, pushed, verb):
+    """As test_refused_options has it for identify."""
+    columns = [part for column in [*WRENCHES, "wrench_belt_fx=rail_fx"] for part in ("--column", column)]
+    assert "column 'rail_fx' is to be read as" in exoid_(verb, "cuhk", pushed[0], *columns).err
