@@ -1,4 +1,4 @@
-"""A recording is checked when it is made and does not change afterwards."""
+"""A recording is checked when it is made and does not change afterwards; only some of its samples may count."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exoid import ExoidError
-from exoid.signals import Recording, Source
+from exoid.signals import Recording, Recordings, Source
 
 JOINTS = ("hip", "left_knee")
 TIME = np.arange(60) / 50.0
@@ -78,3 +78,28 @@ def test_slices_by_row_and_by_time_agree_and_share_no_row():
     np.testing.assert_array_equal(np.concatenate([early.tau, late.tau]), recording.tau)
     np.testing.assert_array_equal(late.q, recording.slice(20).q)
     np.testing.assert_array_equal(recording.slice(-10).time, TIME[-10:])
+
+
+def test_samples_from_start_to_before_stop_count_and_segments_of_segments_are_what_both_have_in_common():
+    masked = Recording(**arrays()).segments([(0.1, 0.3), (0.9, 1.1)]).segments([(0.0, 0.5), (1.0, 2.0)])
+    np.testing.assert_array_equal(np.flatnonzero(masked.mask), [*range(5, 15), *range(50, 55)])
+    assert masked.segment_times == ((0.1, 0.28), (1.0, 1.08))
+    assert "15 in 2 segments" in repr(masked)
+
+
+def test_a_sample_of_a_resampled_recording_counts_if_both_neighbours_did():
+    rng = np.random.default_rng(0)
+    uneven = Recording(**arrays(time=TIME + rng.uniform(-2e-3, 2e-3, 60))).segments([(0.5, 1.0)])
+    inside = uneven.time[uneven.mask]
+    even = uneven.resampled()
+    counted = (even.time >= inside[0]) & (even.time <= inside[-1])
+    np.testing.assert_array_equal(even.mask, counted)
+
+
+def test_a_csv_log_keeps_the_mask_as_a_column(tmp_path):
+    masked = Recording(**arrays()).segments([(0.1, 0.3), (0.5, 0.505), (0.8, 1.0)])
+    masked.to_csv(tmp_path / "log.csv")
+    np.testing.assert_array_equal(Recording.from_csv(tmp_path / "log.csv", mask="mask").mask, masked.mask)
+    assert Recording.from_csv(tmp_path / "log.csv").mask is None
+    (read,) = Recordings.from_files([tmp_path / "log.csv"], mask="mask")
+    np.testing.assert_array_equal(read.mask, masked.mask)

@@ -1,18 +1,19 @@
 """Stability of worn legs: linearised loops against independent integration, closed solutions and other code."""
 
+from collections import deque
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import scipy
 from controlled_legs import LEG, TERMS, cuhk_plant, estimate_of, frictionless
-from integrated_worn_leg import WornLeg
 
 import exoid
 from exoid import ExoidError, published
-from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification
+from exoid.control import ControlModel, State, gravity_friction_pd, pd, sensitivity_amplification, stateful
 from exoid.control.lqr import linearise
 from exoid.experiments import Hold
 from exoid.lab.stability import largest_amplification
@@ -20,7 +21,7 @@ from exoid.lab.stability.draws import draw_truths
 from exoid.lab.stability.linear_law import linear_law, loop_matrices
 from exoid.lab.stability.worn_leg import HeldLeg, hold, linear_leg, linear_legs, linear_wearer
 from exoid.lab.stability.worn_loop import WornLoop, poses_of
-from exoid.rig import Plant, Wearer
+from exoid.rig import Plant, Target, Wearer
 from exoid.tools.numbers import ROUNDED
 from exoid.torques import Coulomb, TorqueModel, Viscous
 
@@ -47,6 +48,60 @@ def wrong_estimate(std=0.1):
     model = TorqueModel(LEG, (Coulomb(), Viscous()))
     est = estimate_of(model, {**published.cuhk_parameters(), **published.cuhk_resistances()})
     return replace(est, covariance=np.diag((std * np.abs(est.values)) ** 2))
+
+
+class WornLeg:
+    """Nonlinear leg and limb with constant torques that make a pose an equilibrium under a controller.
+
+    Integrated by SciPy with Pinocchio's accelerations, independent of the rig.
+    """
+
+    def __init__(self, model, wearer, law, pose, delay):
+        self.model, self.wearer, self.law = model, wearer, stateful(law)
+        self.pose, self.delay, self.n = pose, delay, model.n
+        self.k, self.d, self.km, self.dm = (
+            np.broadcast_to(np.ravel(x), pose.shape)
+            for x in (wearer.cuff_stiffness, wearer.cuff_damping, wearer.muscle_stiffness, wearer.muscle_damping)
+        )
+        self.data, self.limb_data = model.pinocchio.createData(), wearer.limb.model.createData()
+        still = np.zeros(self.n)
+        state = State(pose, still, interaction=still)
+        torque, _ = self.law.step(self.law.begin(state), state, Target(pose, still, still))
+        self.balance = model.statics(pose) - torque, wearer.limb.gravity(pose[None])[0]
+
+    def rate_of_change(self, x, torque):
+        q, v, p, w = np.split(x, 4)
+        worn = self.k * (p - q) + self.d * (w - v)
+        springs = self.model.statics(q) - self.model.gravity(q) + self.model.viscous * v
+        a = pin.aba(self.model.pinocchio, self.data, q, v, torque + worn + self.balance[0] - springs)
+        muscles = self.km * (p - self.pose) + self.dm * w
+        b = pin.aba(self.wearer.limb.model, self.limb_data, p, w, self.balance[1] - worn - muscles)
+        return np.concatenate([v, a, w, b])
+
+    def run(self, x, periods):
+        """States at the samples, (periods + 1, 4 n), from a start with a past at that start."""
+        target = Target(self.pose, np.zeros(self.n), np.zeros(self.n))
+        late = deque([self.reading(x)] * (self.delay + 1), maxlen=self.delay + 1)
+        memory, states, last = self.law.begin(late[0]), [x], None
+        for _ in range(periods):
+            torque, memory = self.law.step(memory, late[0]._replace(last=last), target)
+            last = torque
+            found = scipy.integrate.solve_ivp(
+                lambda _, y, held=torque: self.rate_of_change(y, held),
+                (0.0, 1.0 / self.law.rate),
+                states[-1],
+                method="DOP853",
+                rtol=1e-9,
+                atol=1e-13,
+            )
+            states.append(found.y[:, -1])
+            late.append(self.reading(states[-1]))
+        return np.array(states)
+
+    def reading(self, x):
+        q, v, p, w = np.split(x, 4)
+        worn = self.k * (p - q) + self.d * (w - v)
+        return State(q, v, interaction=worn)
 
 
 def test_the_linear_leg_is_that_of_pinocchios_derivatives():
