@@ -27,7 +27,7 @@ import numpy as np
 import scipy
 from joblib import Parallel, delayed
 
-from exoid import BaseMotion, ExoidError, Leg, Recording, ground_forces, identify, load_exo, load_leg
+from exoid import BaseMotion, ExoidError, Leg, Recording, ground_forces, identify, load_exo, load_leg, validate
 from exoid.estimate.ground_prediction import level_wrench
 from exoid.experiments.ground import Stance, bleex_machine, single_support, stance_motion, swing, walking
 from exoid.experiments.ground.machines import RESISTANCES
@@ -130,6 +130,7 @@ class Walked(NamedTuple):
     inside: np.ndarray  # whether M, X and J are within their 95 % intervals
     deviations: np.ndarray  # errors over standard deviations
     force: float  # share of samples of an unseen squat whose vertical forces are within their 95 % band
+    torque: np.ndarray  # the same of the torque of each joint, (n,)
     findings: frozenset[str]  # kinds of warnings and errors
 
 
@@ -302,6 +303,7 @@ def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]
             logs = [walker_log(runs, seed, k, plates=plates, imu=imu or k == 3) for k in range(4)]
             estimate = identify(plant.leg, logs, TERMS)
             forces = ground_forces(estimate, walker_log(runs, seed, 4, plates=False, imu=imu))
+            torque = validate(estimate, walker_log(runs, seed, 4, plates=plates, imu=imu)).coverage
         except ExoidError as error:
             found[way] = str(error)
             continue
@@ -318,6 +320,7 @@ def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]
             inside=((low <= true) & (true <= high))[chosen],
             deviations=((estimate.values - true) / estimate.std)[chosen],
             force=float(np.mean(np.concatenate(inside))),
+            torque=torque,
             findings=frozenset(one.kind for one in estimate.findings if one.severity != "info"),
         )
     return kind, found
@@ -325,7 +328,7 @@ def one_walker(seed: int, seconds: float) -> tuple[str, dict[str, Walked | str]]
 
 def print_walkers(every: list[tuple[str, dict[str, Walked | str]]]) -> None:
     """Print a line for each ground and set of sensors, and the paired comparison of sensors."""
-    print("ground sensors  walkers   error  largest    XJM   rms  force  findings")
+    print("ground sensors  walkers   error  largest    XJM   rms  force  torque  least  findings")
     for kind in GROUNDS:
         for way in WAYS:
             told = [found[way] for ground, found in every if ground == kind]
@@ -337,10 +340,11 @@ def print_walkers(every: list[tuple[str, dict[str, Walked | str]]]) -> None:
                 continue
             errors, inside, std = (np.concatenate([one[k] for one in known]) for k in range(3))
             named = Counter(name for one in known for name in one.findings)
+            torques = 100 * np.array([one.torque for one in known])
             print(
                 f"{kind:7}{way:9}{len(known):7}{100 * np.median(errors):8.2f}{100 * errors.max():9.2f}"
                 f"{100 * inside.mean():7.1f}{np.sqrt(np.mean(std**2)):6.2f}"
-                f"{100 * np.mean([one.force for one in known]):7.1f}  "
+                f"{100 * np.mean([one.force for one in known]):7.1f}{torques.mean():8.1f}{torques.min():7.1f}  "
                 + ", ".join(f"{name} {count}" for name, count in sorted(named.items())),
             )
     for less, more in (("neither", "plates"), ("neither", "IMU"), ("plates", "both"), ("IMU", "both")):
