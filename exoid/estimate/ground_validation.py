@@ -114,9 +114,8 @@ def find_ground(estimate: EstimateData, parts: Split, *, measured: bool = False)
             rows = [make_rows(support, ground.under(leg, recording, step), preparation) for step in steps]
             noise = _of_rows(estimate.residual_variance, estimate.joint_names, support.row_names)
             q = recording.q[recording.mask]
-            noise = noise + wrench_variance(estimate, recording, preparation, q, stretch.links, support.axes).mean(
-                axis=0
-            )
+            of_wrenches = wrench_variance(estimate, recording, preparation, q, stretch.links, support.axes)
+            noise = noise + of_wrenches.mean(axis=0)
             weights = np.maximum(noise, 1e-18) ** -0.5  # logs may have no noise
             left, *moved = (weights * (each.tau - each.W @ estimate.values) for each in rows)
             D = np.stack([left - each for each in moved], axis=-1) / size
